@@ -1,0 +1,1 @@
+"""Equations: from a causal graph to sorted assignments and state equations."""
