@@ -1,4 +1,4 @@
-"""What a fit answers: a status with a reason, estimates, and what is not identifiable."""
+"""What a fit answers: status, estimates, and what the data cannot identify."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

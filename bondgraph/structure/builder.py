@@ -136,7 +136,7 @@ class BondGraph:
                 did_you_mean(junction, self._junction_domains),
             ) from None
 
-    def measure(  # noqa: D417
+    def measure(
         self,
         name: str,
         expression: object = None,

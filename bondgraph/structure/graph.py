@@ -273,7 +273,7 @@ def _check_signals(graph: FinishedGraph) -> None:
 
 
 def _check_signal_is_common(graph: FinishedGraph, owner: str, signal: Signal) -> None:
-    """A junction has one flow or one effort in common, never both."""
+    """Refuse a signal that its junction does not have in common."""
     node = graph.by_name.get(signal.place)
     if isinstance(node, Transformer | Gyrator):
         names = ", ".join(repr(b.name) for b in graph.bonds_at(node.name))
@@ -339,7 +339,7 @@ _LINEAR_UNITS = {
 
 
 def _check_linear_unit(graph: FinishedGraph, node: Node) -> None:
-    """The parameter of a linear one-port must have the unit its domain gives."""
+    """Check that a linear one-port's parameter has the unit its domain gives."""
     if not isinstance(node, Resistance | Inertance | Compliance) or node.law:
         return
     domain = graph.domain_at(node.name)

@@ -76,7 +76,8 @@ def compatible(source: str, target: str) -> bool:
 
 
 _SI_WORDS = frozenset(
-    "m kg s A K mol N Pa J W V C F H Ohm ohm rad Hz Wb T 1 degC".split()
+    ("m", "kg", "s", "A", "K", "mol", "N", "Pa", "J", "W", "V", "C", "F", "H")
+    + ("Ohm", "ohm", "rad", "Hz", "Wb", "T", "1", "degC")
 )
 
 
