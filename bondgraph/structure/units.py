@@ -76,8 +76,7 @@ def compatible(source: str, target: str) -> bool:
 
 
 _SI_WORDS = frozenset(
-    ("m", "kg", "s", "A", "K", "mol", "N", "Pa", "J", "W", "V", "C", "F", "H")
-    + ("Ohm", "ohm", "rad", "Hz", "Wb", "T", "1", "degC")
+    "m kg s A K mol N Pa J W V C F H Ohm ohm rad Hz Wb T 1 degC".split(" ")
 )
 
 
