@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 _HOME = {
     "bondgraph.structure.builder": ("BondGraph",),
     "bondgraph.structure.graph": ("FinishedGraph",),
+    "bondgraph.structure.elements": ("Se", "Sf", "I", "C", "R", "TF", "GY"),
     "bondgraph.structure.signals": (
         *("e", "f", "p", "q", "t"),
         *("effort", "flow", "momentum", "displacement"),
@@ -27,19 +28,10 @@ _HOME = {
     "bondgraph.equations.linear": ("linearise",),
     "bondgraph.errors": ("BondGraphError",),
 }
-_LETTERS = {
-    "Se": "EffortSource",
-    "Sf": "FlowSource",
-    "I": "Inertance",
-    "C": "Compliance",
-    "R": "Resistance",
-    "TF": "Transformer",
-    "GY": "Gyrator",
-}
 _WHERE = {name: home for home, names in _HOME.items() for name in names}
 
 __version__ = "0.1.0"
-__all__ = sorted([*_WHERE, *_LETTERS, "__version__"])  # noqa: PLE0605
+__all__ = sorted([*_WHERE, "__version__"])  # noqa: PLE0605
 
 if TYPE_CHECKING:
     from bondgraph.causality.assignment import assign_causality as assign_causality
@@ -50,13 +42,13 @@ if TYPE_CHECKING:
     from bondgraph.structure.edits import InsertElement as InsertElement
     from bondgraph.structure.edits import ReplaceMeasurement as ReplaceMeasurement
     from bondgraph.structure.edits import ReplaceRelation as ReplaceRelation
-    from bondgraph.structure.elements import Compliance as C
-    from bondgraph.structure.elements import EffortSource as Se
-    from bondgraph.structure.elements import FlowSource as Sf
-    from bondgraph.structure.elements import Gyrator as GY
-    from bondgraph.structure.elements import Inertance as I
-    from bondgraph.structure.elements import Resistance as R
-    from bondgraph.structure.elements import Transformer as TF
+    from bondgraph.structure.elements import C as C
+    from bondgraph.structure.elements import Se as Se
+    from bondgraph.structure.elements import Sf as Sf
+    from bondgraph.structure.elements import GY as GY
+    from bondgraph.structure.elements import I as I
+    from bondgraph.structure.elements import R as R
+    from bondgraph.structure.elements import TF as TF
     from bondgraph.structure.graph import FinishedGraph as FinishedGraph
     from bondgraph.structure.parameters import Assumed as Assumed
     from bondgraph.structure.parameters import Fitted as Fitted
@@ -77,9 +69,6 @@ if TYPE_CHECKING:
 
 
 def __getattr__(name: str) -> Any:
-    if name in _LETTERS:
-        elements = import_module("bondgraph.structure.elements")
-        return getattr(elements, _LETTERS[name])
     if name in _WHERE:
         return getattr(import_module(_WHERE[name]), name)
     raise AttributeError(f"module 'bondgraph' has no attribute {name!r}")

@@ -256,3 +256,9 @@ LETTERS: dict[type, str] = {
 def letter(node: Node) -> str:
     """Return the field's letter for the kind of `node` (``Se``, ``1``, …)."""
     return LETTERS[type(node)]
+
+
+# The field's letters, for authors.
+Se, Sf = EffortSource, FlowSource
+I, C, R = Inertance, Compliance, Resistance
+TF, GY = Transformer, Gyrator
