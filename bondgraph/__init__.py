@@ -42,13 +42,13 @@ if TYPE_CHECKING:
     from bondgraph.structure.edits import InsertElement as InsertElement
     from bondgraph.structure.edits import ReplaceMeasurement as ReplaceMeasurement
     from bondgraph.structure.edits import ReplaceRelation as ReplaceRelation
-    from bondgraph.structure.elements import C as C
-    from bondgraph.structure.elements import Se as Se
-    from bondgraph.structure.elements import Sf as Sf
     from bondgraph.structure.elements import GY as GY
+    from bondgraph.structure.elements import TF as TF
+    from bondgraph.structure.elements import C as C
     from bondgraph.structure.elements import I as I
     from bondgraph.structure.elements import R as R
-    from bondgraph.structure.elements import TF as TF
+    from bondgraph.structure.elements import Se as Se
+    from bondgraph.structure.elements import Sf as Sf
     from bondgraph.structure.graph import FinishedGraph as FinishedGraph
     from bondgraph.structure.parameters import Assumed as Assumed
     from bondgraph.structure.parameters import Fitted as Fitted
