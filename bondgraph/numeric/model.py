@@ -1,0 +1,145 @@
+"""`NumericModel`: what lies below the gate; arrays only, names as strings.
+
+Made by `compile_model` from `StateEquations` in milliseconds. It answers with arrays:
+residuals, outputs and their exact Jacobians, and it holds what the kernel needs.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.equations.state_equations import StateEquations
+from bondgraph.numeric.tape import Tape, record_tape
+from bondgraph.structure.signals import t as time_symbol
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NumericModel:
+    """A semi-explicit model ``ẋ = rate(…)``, ``0 = residual(…)``, ``y = read(…)``.
+
+    Every function of it takes the variables x, ẋ, z, u, u̇, p, t in this order.
+
+    Parameters
+    ----------
+    dynamics
+        Tape whose results are the rates and the residuals.
+    output
+        Tape whose results are the outputs.
+    linear
+        Whether rates and residuals are affine in (x, ẋ, z).
+    instantaneous
+        Whether an output depends on ẋ or z.
+    """
+
+    name: str
+    state_names: tuple[str, ...]
+    input_names: tuple[str, ...]
+    parameter_names: tuple[str, ...]
+    output_names: tuple[str, ...]
+    output_units: tuple[str, ...]
+    n_unknowns: int
+    dynamics: Tape
+    output: Tape
+    linear: bool
+    instantaneous: bool
+    needs_input_rates: bool
+
+    @property
+    def n_states(self) -> int:
+        """Number of states."""
+        return len(self.state_names)
+
+
+def compile_model(equations: StateEquations) -> NumericModel:
+    """Turn symbolic state equations into array functions.
+
+    Raises
+    ------
+    EquationError
+        If an expression uses a function without a number form.
+    """
+    states = [s.symbol for s in equations.states]
+    rates = [s.rate for s in equations.states]
+    unknowns = list(equations.unknowns)
+    variables = [
+        *states,
+        *rates,
+        *unknowns,
+        *equations.inputs,
+        *equations.input_rates,
+        *equations.parameters,
+        time_symbol,
+    ]
+    definitions = [(a.symbol, a.expression) for a in equations.assignments]
+    solved = {*states, *rates, *unknowns}
+    dynamics = record_tape(
+        variables,
+        definitions,
+        [*equations.rates, *equations.residuals],
+        lambda symbol: symbol in solved,
+    )
+    instant = {*rates, *unknowns}
+    output = record_tape(
+        variables,
+        definitions,
+        [o.expression for o in equations.outputs],
+        lambda symbol: symbol in instant,
+    )
+    input_rates = set(equations.input_rates)
+    rate_use = record_tape(
+        variables,
+        definitions,
+        [
+            *equations.rates,
+            *equations.residuals,
+            *(o.expression for o in equations.outputs),
+        ],
+        lambda symbol: symbol in input_rates,
+    )
+    return NumericModel(
+        name=equations.name,
+        state_names=tuple(s.symbol.name for s in equations.states),
+        input_names=tuple(u.name for u in equations.inputs),
+        parameter_names=tuple(p.name for p in equations.parameters),
+        output_names=tuple(o.name for o in equations.outputs),
+        output_units=tuple(o.unit for o in equations.outputs),
+        n_unknowns=len(unknowns),
+        dynamics=dynamics,
+        output=output,
+        linear=bool(np.all(dynamics.degree < 2)),
+        instantaneous=bool(np.any(output.degree > 0)),
+        needs_input_rates=bool(np.any(rate_use.degree > 0)),
+    )
+
+
+def evaluate(
+    model: NumericModel, tape: Tape, variables: Array, directions: Array
+) -> tuple[Array, Array]:
+    """Run one tape at one point.
+
+    Parameters
+    ----------
+    variables
+        Values of x, ẋ, z, u, u̇, p, t, concatenated.
+    directions
+        Tangent directions, shape (len(variables), n).
+
+    Returns
+    -------
+    values, tangents
+        Of the tape's results, shapes (m,) and (m, n).
+    """
+    from bondgraph.numeric import kernel  # noqa: PLC0415  (loads numba)
+
+    n = directions.shape[1]
+    first = tape.n_variables + len(tape.constants)
+    v = np.zeros(tape.n_slots)
+    d = np.zeros((tape.n_slots, max(n, 1)))
+    v[: tape.n_variables] = variables
+    v[tape.n_variables : first] = tape.constants
+    d[: tape.n_variables, :n] = directions
+    kernel.run(tape.code, first, v, d, n)
+    return v[tape.outputs], d[tape.outputs, :n]

@@ -1,0 +1,335 @@
+"""The gate, first half: sympy expressions become a tape of elementary operations.
+
+A tape is single-assignment code: slots ``0 … n_variables-1`` hold the variables, the
+next ones constants, and every operation writes the slot after the last. Equal
+subexpressions share a slot. One compiled kernel (`bondgraph.numeric.kernel`) runs any
+tape, with exact derivatives by carrying tangents through the same operations, so a new
+model is ready in milliseconds and nothing is compiled for it.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+from sympy.logic import boolalg
+
+from bondgraph.errors import EquationError
+
+
+class Op(IntEnum):
+    """Elementary operations; the kernel dispatches on the number."""
+
+    ADD = 0
+    MUL = 1
+    DIV = 2
+    POWI = 3
+    POW = 4
+    SQRT = 5
+    SIN = 6
+    COS = 7
+    TAN = 8
+    EXP = 9
+    LOG = 10
+    TANH = 11
+    ABS = 12
+    SIGN = 13
+    MAX = 14
+    MIN = 15
+    ATAN = 16
+    SINH = 17
+    COSH = 18
+    ASIN = 19
+    ACOS = 20
+    LESS = 21
+    LESS_EQUAL = 22
+    AND = 23
+    OR = 24
+    NOT = 25
+    SELECT = 26
+    ATAN2 = 27
+    SUB = 28
+
+
+_UNARY = {
+    sympy.sin: Op.SIN,
+    sympy.cos: Op.COS,
+    sympy.tan: Op.TAN,
+    sympy.exp: Op.EXP,
+    sympy.log: Op.LOG,
+    sympy.tanh: Op.TANH,
+    sympy.Abs: Op.ABS,
+    sympy.sign: Op.SIGN,
+    sympy.atan: Op.ATAN,
+    sympy.sinh: Op.SINH,
+    sympy.cosh: Op.COSH,
+    sympy.asin: Op.ASIN,
+    sympy.acos: Op.ACOS,
+}
+_FOLDED = {
+    sympy.Add: Op.ADD,
+    sympy.Mul: Op.MUL,
+    sympy.Max: Op.MAX,
+    sympy.Min: Op.MIN,
+    boolalg.And: Op.AND,
+    boolalg.Or: Op.OR,
+}
+_LINEAR_IN_EITHER = frozenset({Op.ADD, Op.SUB})
+
+
+@dataclass(frozen=True, slots=True)
+class Tape:
+    """Operations as arrays; see the module's head.
+
+    ``code[i] = (op, a, b, c)`` writes slot ``n_variables + len(constants) + i``.
+    ``outputs`` are the slots of the expressions the tape was made for. ``degree`` holds
+    for each output 0, 1 or 2: independent of, affine in, or nonlinear in the variables
+    called active when the tape was made.
+    """
+
+    n_variables: int
+    constants: NDArray[np.float64]
+    code: NDArray[np.int64]
+    outputs: NDArray[np.int64]
+    degree: NDArray[np.int64]
+
+    @property
+    def n_slots(self) -> int:
+        """How many values a run of the tape needs."""
+        return self.n_variables + len(self.constants) + len(self.code)
+
+
+class _Recorder:
+    """Writes operations once, and remembers in which slot each expression lives."""
+
+    def __init__(self, slots: Mapping[sympy.Symbol, int]) -> None:
+        self.slots: dict[sympy.Basic, int] = dict(slots)
+        self.constants: dict[float, int] = {}
+        self.code: list[tuple[int, int, int, int]] = []
+        self._known: dict[tuple[int, int, int, int], int] = {}
+
+    def constant(self, value: float) -> int:
+        return -1 - self.constants.setdefault(value, len(self.constants))
+
+    def emit(self, op: Op, a: int, b: int = 0, c: int = 0) -> int:
+        """Write an operation; operation k is called ``10**9 + k`` until the end."""
+        key = (int(op), a, b, c)
+        if key not in self._known:
+            self._known[key] = 10**9 + len(self.code)
+            self.code.append(key)
+        return self._known[key]
+
+    def slot(self, expression: sympy.Basic) -> int:
+        if expression not in self.slots:
+            self.slots[expression] = self._write(expression)
+        return self.slots[expression]
+
+    def _write(self, expression: sympy.Basic) -> int:
+        if expression.is_Symbol:
+            raise EquationError(
+                f"The symbol {expression} is not a variable of this tape.",
+                (str(expression),),
+                "It is neither a state, an input nor a parameter.",
+            )
+        if expression.is_number or isinstance(expression, sympy.Number):
+            return self.constant(float(expression))
+        if isinstance(expression, sympy.Pow):
+            return self._power(*expression.as_base_exp())
+        if isinstance(expression, sympy.Mul):
+            return self._product(expression)
+        if isinstance(expression, sympy.Add):
+            return self._sum(expression)
+        if expression.func in _FOLDED:
+            return self._fold(_FOLDED[expression.func], expression.args)
+        if expression.func in _UNARY:
+            return self.emit(_UNARY[expression.func], self.slot(expression.args[0]))
+        return self._special(expression)
+
+    def _fold(self, op: Op, arguments: Sequence[sympy.Basic]) -> int:
+        first, *rest = [self.slot(a) for a in arguments]
+        for other in rest:
+            first = self.emit(op, first, other)
+        return first
+
+    def _sum(self, expression: sympy.Add) -> int:
+        """Write a sum, with negative terms subtracted rather than negated."""
+        plus: list[sympy.Expr] = []
+        minus: list[sympy.Expr] = []
+        for term in expression.args:
+            negative = term.could_extract_minus_sign()
+            (minus if negative else plus).append(-term if negative else term)
+        total = self._fold(Op.ADD, plus) if plus else self.constant(0.0)
+        for term in minus:
+            total = self.emit(Op.SUB, total, self.slot(term))
+        return total
+
+    def _product(self, expression: sympy.Mul) -> int:
+        above: list[sympy.Expr] = []
+        below: list[sympy.Expr] = []
+        for factor in expression.args:
+            base, exponent = factor.as_base_exp()
+            if exponent.is_number and exponent.is_negative and not base.is_number:
+                below.append(base**-exponent)
+            else:
+                above.append(factor)
+        product = self._fold(Op.MUL, above) if above else self.constant(1.0)
+        if below:
+            product = self.emit(Op.DIV, product, self._fold(Op.MUL, below))
+        return product
+
+    def _power(self, base: sympy.Expr, exponent: sympy.Expr) -> int:
+        if base == sympy.E:
+            return self.emit(Op.EXP, self.slot(exponent))
+        if exponent.is_Integer:
+            power = int(exponent)
+            if power < 0:
+                return self.emit(Op.DIV, self.constant(1.0), self.slot(base**-power))
+            return self.emit(Op.POWI, self.slot(base), power)
+        if exponent == sympy.Rational(1, 2):
+            return self.emit(Op.SQRT, self.slot(base))
+        return self.emit(Op.POW, self.slot(base), self.slot(exponent))
+
+    def _special(self, expression: sympy.Basic) -> int:
+        match expression:
+            case sympy.Piecewise():
+                return self._piecewise(expression)
+            case sympy.StrictLessThan():
+                return self._compare(Op.LESS, expression.lhs, expression.rhs)
+            case sympy.LessThan():
+                return self._compare(Op.LESS_EQUAL, expression.lhs, expression.rhs)
+            case sympy.StrictGreaterThan():
+                return self._compare(Op.LESS, expression.rhs, expression.lhs)
+            case sympy.GreaterThan():
+                return self._compare(Op.LESS_EQUAL, expression.rhs, expression.lhs)
+            case boolalg.Not():
+                return self.emit(Op.NOT, self.slot(expression.args[0]))
+            case boolalg.BooleanTrue() | boolalg.BooleanFalse():
+                return self.constant(float(bool(expression)))
+            case sympy.Heaviside():
+                zero = self.constant(0.0)
+                return self.emit(Op.LESS, zero, self.slot(expression.args[0]))
+            case sympy.atan2():
+                y, x = expression.args
+                return self.emit(Op.ATAN2, self.slot(y), self.slot(x))
+        raise EquationError(
+            f"The function {expression.func.__name__} has no number form yet.",
+            (str(expression.func),),
+            "Write the law with + - * / powers, exp, log, trigonometric and hyperbolic "
+            "functions, Abs, sign, Min, Max or Piecewise.",
+        )
+
+    def _compare(self, op: Op, left: sympy.Expr, right: sympy.Expr) -> int:
+        return self.emit(op, self.slot(left), self.slot(right))
+
+    def _piecewise(self, expression: sympy.Piecewise) -> int:
+        *cases, (last, condition) = expression.args
+        if condition != sympy.true:
+            raise EquationError(
+                f"{expression} is undefined where no case holds.",
+                (str(expression),),
+                "Close the Piecewise with a case (expression, True).",
+            )
+        value = self.slot(last)
+        for branch, condition in reversed(cases):
+            value = self.emit(
+                Op.SELECT, self.slot(condition), self.slot(branch), value
+            )
+        return value
+
+
+def record_tape(
+    variables: Sequence[sympy.Symbol],
+    definitions: Sequence[tuple[sympy.Symbol, sympy.Expr]],
+    expressions: Sequence[sympy.Expr],
+    active: Callable[[sympy.Symbol], bool],
+) -> Tape:
+    """Return the tape that computes `expressions`.
+
+    Parameters
+    ----------
+    variables
+        Symbols in slot order.
+    definitions
+        ``(symbol, expression)`` pairs in evaluation order; those that `expressions` do
+        not need are left out.
+    expressions
+        What the tape computes.
+    active
+        Whether a variable counts for `Tape.degree`.
+
+    Raises
+    ------
+    EquationError
+        If an expression contains an unknown symbol or function.
+    """
+    recorder = _Recorder({symbol: i for i, symbol in enumerate(variables)})
+    for symbol, expression in _needed(definitions, expressions):
+        recorder.slots[symbol] = recorder.slot(expression)
+    raw = [recorder.slot(expression) for expression in expressions]
+    n, n_constants = len(variables), len(recorder.constants)
+
+    def final(slot: int) -> int:
+        if slot < 0:
+            return n - 1 - slot
+        return slot if slot < 10**9 else slot - 10**9 + n + n_constants
+
+    code = np.zeros((len(recorder.code), 4), dtype=np.int64)
+    for i, (op, a, b, c) in enumerate(recorder.code):
+        power = op == Op.POWI
+        code[i] = (op, final(a), b if power else final(b), final(c))
+    outputs = np.array([final(slot) for slot in raw], dtype=np.int64)
+    degrees = _degrees(n, n_constants, code, [active(v) for v in variables])
+    return Tape(
+        n_variables=n,
+        constants=np.array(list(recorder.constants), dtype=np.float64),
+        code=code,
+        outputs=outputs,
+        degree=degrees[outputs] if len(outputs) else np.zeros(0, dtype=np.int64),
+    )
+
+
+def _needed(
+    definitions: Sequence[tuple[sympy.Symbol, sympy.Expr]],
+    expressions: Sequence[sympy.Expr],
+) -> list[tuple[sympy.Symbol, sympy.Expr]]:
+    """Return the definitions that `expressions` depend on, in order."""
+    wanted = set().union(*(e.free_symbols for e in expressions)) if expressions else set()
+    kept = []
+    for symbol, expression in reversed(definitions):
+        if symbol in wanted:
+            kept.append((symbol, expression))
+            wanted |= expression.free_symbols
+    return kept[::-1]
+
+
+def _degrees(
+    n: int, n_constants: int, code: NDArray[np.int64], active: Sequence[bool]
+) -> NDArray[np.int64]:
+    """Return 0, 1 or 2 per slot: constant, affine or nonlinear in active variables."""
+    degree = np.zeros(n + n_constants + len(code), dtype=np.int64)
+    degree[:n] = active
+    for i, (op, a, b, c) in enumerate(code):
+        da = degree[a]
+        db = 0 if op == Op.POWI else degree[b]
+        match op:
+            case Op.ADD | Op.SUB:
+                result = max(da, db)
+            case Op.MUL:
+                result = min(da + db, 2)
+            case Op.DIV:
+                result = 2 if db else da
+            case Op.POWI:
+                result = 2 if da and b > 1 else da * min(b, 1)
+            case Op.SELECT:
+                result = 2 if da else max(db, degree[c])
+            case _:
+                result = 2 if max(da, db if op in _BINARY else 0) else 0
+        degree[n + n_constants + i] = result
+    return degree
+
+
+_BINARY = frozenset(
+    {Op.POW, Op.MAX, Op.MIN, Op.LESS, Op.LESS_EQUAL, Op.AND, Op.OR, Op.ATAN2}
+)
