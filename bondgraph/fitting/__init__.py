@@ -1,1 +1,1 @@
-"""Fitting."""
+"""Fitting: parameters from recordings, with what is and is not known."""

@@ -1,1 +1,1 @@
-"""Simulation."""
+"""Simulation: models driven by recorded inputs."""

@@ -1,0 +1,131 @@
+"""Many windows of recordings simulated at once, each from its own initial state."""
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.numeric.model import NumericModel
+from bondgraph.simulation.solvers import Hold, Solver
+
+Array = NDArray[np.float64]
+THREADS = 2
+
+
+@dataclass(frozen=True)
+class Shots:
+    """Windows of recordings laid end to end.
+
+    Parameters
+    ----------
+    time, inputs, outputs
+        Samples of all windows: (n,), (n, nu), (n, ny); a missing output is NaN.
+    edges
+        Window k holds the samples ``edges[k]:edges[k + 1]``.
+    """
+
+    time: Array
+    inputs: Array
+    outputs: Array
+    edges: tuple[int, ...]
+
+    @property
+    def n_windows(self) -> int:
+        """Number of windows."""
+        return len(self.edges) - 1
+
+    @cached_property
+    def slices(self) -> tuple[slice, ...]:
+        """The windows as slices."""
+        return tuple(slice(a, b) for a, b in pairwise(self.edges))
+
+    def subset(self, windows: NDArray[np.int64]) -> "Shots":
+        """Return only the windows whose numbers are given."""
+        parts = [self.slices[w] for w in windows]
+        index = np.concatenate([np.arange(s.start, s.stop) for s in parts])
+        edges = np.cumsum([0, *(s.stop - s.start for s in parts)])
+        return Shots(
+            self.time[index],
+            self.inputs[index],
+            self.outputs[index],
+            tuple(int(e) for e in edges),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Shooting:
+    """What simulating all windows gave.
+
+    Parameters
+    ----------
+    outputs, states
+        (n, ny) and (n, nx).
+    sensitivities
+        (n, ny, nq + nx): to the chosen parameters, then to the initial state.
+    completed
+        Per window, whether it was simulated to its end.
+    """
+
+    outputs: Array
+    states: Array
+    sensitivities: Array
+    completed: NDArray[np.bool_]
+
+
+def shoot(
+    model: NumericModel,
+    shots: Shots,
+    *,
+    parameters: Array,
+    initial: Array,
+    directions: NDArray[np.int64] | None,
+    solver: Solver,
+    hold: Hold,
+) -> Shooting:
+    """Simulate every window from its initial state.
+
+    Parameters
+    ----------
+    parameters
+        Values in the model's order.
+    initial
+        Initial states, shape (n_windows, nx).
+    directions
+        Indices of the parameters whose sensitivities are wanted (those to the initial
+        states are always added); None for no sensitivities at all.
+    """
+    from bondgraph.numeric.kernel import integrate  # noqa: PLC0415  (loads numba)
+
+    n, nx, ny = len(shots.time), model.n_states, len(model.output_names)
+    wanted = np.zeros(0, np.int64) if directions is None else directions
+    nd = 0 if directions is None else len(wanted) + nx
+    outputs = np.full((n, ny), np.nan)
+    states = np.full((n, nx), np.nan)
+    sensitivities = np.zeros((n if directions is not None else 0, ny, nd))
+    completed = np.zeros(shots.n_windows, dtype=bool)
+    matrix, nodes = solver.tableau
+    dynamics, output = model.dynamics, model.output
+    rate = np.ascontiguousarray(dynamics.outputs[:nx])
+    residual = np.ascontiguousarray(dynamics.outputs[nx:])
+    parameters = np.ascontiguousarray(parameters, dtype=np.float64)
+
+    def one(window: int) -> None:
+        part = shots.slices[window]
+        done = integrate(
+            dynamics.code, len(dynamics.constants), rate, residual,
+            model.linear, model.instantaneous,
+            output.code, len(output.constants), output.outputs,
+            dynamics.constants, output.constants,
+            nx, model.n_unknowns, shots.inputs.shape[1], parameters, wanted,
+            shots.time[part], shots.inputs[part], hold is Hold.ZERO,
+            matrix, nodes, solver.substeps, initial[window].copy(),
+            outputs[part], sensitivities[part], states[part],
+        )  # fmt: skip
+        completed[window] = done == part.stop - part.start
+
+    with ThreadPoolExecutor(THREADS) as pool:
+        list(pool.map(one, range(shots.n_windows)))
+    return Shooting(outputs, states, sensitivities, completed)
