@@ -1,1 +1,1 @@
-"""Causality."""
+"""Causality: which end of every bond receives effort, and why."""
