@@ -122,13 +122,13 @@ def minimise(
             small = small + 1 if cost - new_cost <= RELATIVE_DECREASE * cost else 0
             theta, initial, here, cost = step.theta, step.initial, new, new_cost
             damping = max(damping / 8, 1e-12)
-            if small >= 2 or cost == 0.0:  # noqa: PLR2004
+            if small >= 2 or cost == 0.0:
                 return Optimum(theta, initial, here, cost, done, converged=True)
         else:
             if new_cost <= cost * (1 + 1e-9):
                 small += 1
             damping *= 10
-            if small >= 2 or damping > LARGEST_DAMPING:  # noqa: PLR2004
+            if small >= 2 or damping > LARGEST_DAMPING:
                 finite = bool(np.isfinite(cost))
                 return Optimum(theta, initial, here, cost, done, converged=finite)
     return Optimum(theta, initial, here, cost, done, converged=False)
@@ -159,7 +159,9 @@ def _step(
         diagonal += np.diag(full)
         slope += jp.T @ r - cross.T @ offset
         back.append((gain, offset))
-    hessian[np.diag_indices(nq)] += damping * np.maximum(np.diag(hessian), 1e-12 * diagonal)
+    hessian[np.diag_indices(nq)] += damping * np.maximum(
+        np.diag(hessian), 1e-12 * diagonal
+    )
     move = _bounded(problem, hessian, slope, theta)
     shifts = [offset - gain @ move for gain, offset in back]
     new_initial = initial + np.array(shifts).reshape(initial.shape)

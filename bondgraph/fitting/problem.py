@@ -73,7 +73,9 @@ class Linearisation:
     cost: Array
 
 
-def linearise_windows(problem: FitProblem, theta: Array, initial: Array) -> Linearisation:
+def linearise_windows(
+    problem: FitProblem, theta: Array, initial: Array
+) -> Linearisation:
     """Simulate all windows with sensitivities and form the weighted residuals."""
     shots, model = problem.shots, problem.model
     shot = shoot(
@@ -102,9 +104,7 @@ def linearise_windows(problem: FitProblem, theta: Array, initial: Array) -> Line
         residuals.append(r)
         by_parameter.append(jacobian[:, :nq])
         by_initial.append(jacobian[:, nq:])
-    return Linearisation(
-        tuple(residuals), tuple(by_parameter), tuple(by_initial), cost
-    )
+    return Linearisation(tuple(residuals), tuple(by_parameter), tuple(by_initial), cost)
 
 
 def prior_residuals(problem: FitProblem, theta: Array) -> tuple[Array, Array]:

@@ -86,7 +86,7 @@ def null_sentences(names: Sequence[str], null: Array) -> tuple[str, ...]:
         moving = [
             (name, weight)
             for name, weight in zip(names, direction, strict=True)
-            if abs(weight) > 0.05 * np.abs(direction).max()  # noqa: PLR2004
+            if abs(weight) > 0.05 * np.abs(direction).max()
         ]
         if len(moving) == 1:
             sentences.append(f"{moving[0][0]} has no effect on these recordings")

@@ -132,7 +132,7 @@ def evaluate(
     values, tangents
         Of the tape's results, shapes (m,) and (m, n).
     """
-    from bondgraph.numeric import kernel  # noqa: PLC0415  (loads numba)
+    from bondgraph.numeric.machine import run  # noqa: PLC0415  (loads numba)
 
     n = directions.shape[1]
     first = tape.n_variables + len(tape.constants)
@@ -141,5 +141,5 @@ def evaluate(
     v[: tape.n_variables] = variables
     v[tape.n_variables : first] = tape.constants
     d[: tape.n_variables, :n] = directions
-    kernel.run(tape.code, first, v, d, n)
+    run(tape.code, first, v, d, n)
     return v[tape.outputs], d[tape.outputs, :n]

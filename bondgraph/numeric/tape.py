@@ -233,9 +233,7 @@ class _Recorder:
             )
         value = self.slot(last)
         for branch, condition in reversed(cases):
-            value = self.emit(
-                Op.SELECT, self.slot(condition), self.slot(branch), value
-            )
+            value = self.emit(Op.SELECT, self.slot(condition), self.slot(branch), value)
         return value
 
 
@@ -295,7 +293,9 @@ def _needed(
     expressions: Sequence[sympy.Expr],
 ) -> list[tuple[sympy.Symbol, sympy.Expr]]:
     """Return the definitions that `expressions` depend on, in order."""
-    wanted = set().union(*(e.free_symbols for e in expressions)) if expressions else set()
+    wanted = (
+        set().union(*(e.free_symbols for e in expressions)) if expressions else set()
+    )
     kept = []
     for symbol, expression in reversed(definitions):
         if symbol in wanted:

@@ -97,7 +97,8 @@ def shoot(
         Indices of the parameters whose sensitivities are wanted (those to the initial
         states are always added); None for no sensitivities at all.
     """
-    from bondgraph.numeric.kernel import integrate  # noqa: PLC0415  (loads numba)
+    from bondgraph.numeric.kernel import Method, Results, integrate  # noqa: PLC0415
+    from bondgraph.numeric.stage import System  # noqa: PLC0415  (both load numba)
 
     n, nx, ny = len(shots.time), model.n_states, len(model.output_names)
     wanted = np.zeros(0, np.int64) if directions is None else directions
@@ -106,23 +107,31 @@ def shoot(
     states = np.full((n, nx), np.nan)
     sensitivities = np.zeros((n if directions is not None else 0, ny, nd))
     completed = np.zeros(shots.n_windows, dtype=bool)
-    matrix, nodes = solver.tableau
     dynamics, output = model.dynamics, model.output
-    rate = np.ascontiguousarray(dynamics.outputs[:nx])
-    residual = np.ascontiguousarray(dynamics.outputs[nx:])
-    parameters = np.ascontiguousarray(parameters, dtype=np.float64)
+    system = System(
+        dynamics=dynamics.code,
+        first=dynamics.n_variables + len(dynamics.constants),
+        rate=np.ascontiguousarray(dynamics.outputs[:nx]),
+        residual=np.ascontiguousarray(dynamics.outputs[nx:]),
+        output=output.code,
+        first_output=output.n_variables + len(output.constants),
+        read=output.outputs,
+        nx=nx,
+        nz=model.n_unknowns,
+        nu=len(model.input_names),
+        n_parameters=len(model.parameter_names),
+        linear=model.linear,
+        instantaneous=model.instantaneous,
+    )
+    method = Method(*solver.tableau, solver.substeps, hold is Hold.ZERO)
+    values = np.ascontiguousarray(parameters, dtype=np.float64)
 
     def one(window: int) -> None:
         part = shots.slices[window]
         done = integrate(
-            dynamics.code, len(dynamics.constants), rate, residual,
-            model.linear, model.instantaneous,
-            output.code, len(output.constants), output.outputs,
-            dynamics.constants, output.constants,
-            nx, model.n_unknowns, shots.inputs.shape[1], parameters, wanted,
-            shots.time[part], shots.inputs[part], hold is Hold.ZERO,
-            matrix, nodes, solver.substeps, initial[window].copy(),
-            outputs[part], sensitivities[part], states[part],
+            system, method, dynamics.constants, output.constants, values, wanted,
+            shots.time[part], shots.inputs[part], initial[window].copy(),
+            Results(outputs[part], sensitivities[part], states[part]),
         )  # fmt: skip
         completed[window] = done == part.stop - part.start
 

@@ -2,7 +2,7 @@
 
 Recorded inputs are sampled noise, which adaptive step control takes for dynamics; a
 fixed step on the recording's own grid is faster and more accurate. The methods are
-diagonally implicit, so dry friction and electrical time constants do not limit the step.
+diagonally implicit: dry friction and electrical time constants do not limit the step.
 """
 
 import math

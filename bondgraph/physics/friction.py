@@ -1,0 +1,222 @@
+"""Friction at a 1-junction: an effort against the flow.
+
+Dry friction is written smooth, ``tanh(f / f_s)`` with a flow f_s a hundred times below
+the typical one; that flow is a parameter of the inserted element, marked exact.
+"""
+
+from collections.abc import Iterator
+
+import sympy
+
+from bondgraph.physics.hypothesis import (
+    AbstractPhysics,
+    Hypothesis,
+    Place,
+    symbols,
+)
+from bondgraph.structure import signals
+from bondgraph.structure.domains import Quantity
+from bondgraph.structure.elements import (
+    EffortSource,
+    Gyrator,
+    OneJunction,
+    Resistance,
+    Transformer,
+)
+from bondgraph.structure.parameters import Parameter
+from bondgraph.structure.signals import effort
+
+REGULARISATION = 0.01
+E, F = Quantity.EFFORT, Quantity.FLOW
+
+
+def _direction(place: Place) -> tuple[sympy.Expr, Parameter]:
+    """Return the smooth sign of the flow and the parameter that smooths it."""
+    smooth = place.parameter(
+        "slip_flow", place.unit(F), exact=REGULARISATION * place.flow
+    )
+    (width,) = symbols(smooth)
+    return sympy.tanh(signals.f / width), smooth
+
+
+def _is_one_junction(place: Place) -> bool:
+    return isinstance(place.graph.node(place.name), OneJunction)
+
+
+class ViscousFriction(AbstractPhysics):
+    """Effort proportional to flow."""
+
+    word = "viscous_friction"
+    reference = "Newton's law of viscosity"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it where no fitted linear R sits already."""
+        if not _is_one_junction(place) or _has_free_linear(place, Resistance):
+            return
+        b = place.parameter("viscous", place.unit(E, F), low=0.0)
+        (coefficient,) = symbols(b)
+        law = coefficient * signals.f
+        name = place.name_of("viscous_friction")
+        yield Hypothesis(
+            physics=self.word,
+            place=place.name,
+            element=name,
+            edit=place.insert(Resistance(name, law=law), b),
+            law=law,
+            words=f"a {place.domain.effort} proportional to {place.domain.flow}",
+            depends_on=("flow",),
+            starts=({b.name: 0.0}, {b.name: 0.2 * place.effort / place.flow}),
+        )
+
+
+class CoulombFriction(AbstractPhysics):
+    """Dry friction of constant size."""
+
+    word = "coulomb_friction"
+    reference = "Coulomb 1785; Armstrong-Hélouvry et al., Automatica 30, 1994"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it at every 1-junction."""
+        if not _is_one_junction(place):
+            return
+        c = place.parameter("coulomb", place.unit(E), low=0.0)
+        direction, smooth = _direction(place)
+        (size,) = symbols(c)
+        law = size * direction
+        name = place.name_of("coulomb_friction")
+        yield Hypothesis(
+            physics=self.word,
+            place=place.name,
+            element=name,
+            edit=place.insert(Resistance(name, law=law), c, smooth),
+            law=law,
+            words=f"a {place.domain.effort} of constant size against the motion",
+            depends_on=("flow",),
+            starts=({c.name: 0.0}, {c.name: 0.3 * place.effort}),
+        )
+
+
+class DirectionDependentFriction(AbstractPhysics):
+    """Dry friction whose size differs between the two directions."""
+
+    word = "direction_dependent_friction"
+    reference = "Armstrong-Hélouvry et al., Automatica 30, 1994, section 2"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it at every 1-junction."""
+        if not _is_one_junction(place):
+            return
+        c = place.parameter("coulomb", place.unit(E), low=0.0)
+        difference = place.parameter("coulomb_difference", place.unit(E))
+        direction, smooth = _direction(place)
+        size, half = symbols(c, difference)
+        law = size * direction + half * direction**2
+        name = place.name_of("direction_dependent_friction")
+        some = 0.3 * place.effort
+        yield Hypothesis(
+            physics=self.word,
+            place=place.name,
+            element=name,
+            edit=place.insert(Resistance(name, law=law), c, difference, smooth),
+            law=law,
+            words=(
+                f"a {place.domain.effort} against the motion, larger in one direction "
+                "than in the other"
+            ),
+            depends_on=("flow",),
+            starts=(
+                {c.name: 0.0, difference.name: 0.0},
+                {c.name: some, difference.name: 0.0},
+            ),
+            extends=("coulomb_friction",),
+        )
+
+
+class StribeckFriction(AbstractPhysics):
+    """Dry friction that is larger at low speed."""
+
+    word = "stribeck_friction"
+    reference = "Stribeck 1902; Armstrong-Hélouvry et al., Automatica 30, 1994, eq. 3"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it at every 1-junction."""
+        if not _is_one_junction(place):
+            return
+        c = place.parameter("coulomb", place.unit(E), low=0.0)
+        rise = place.parameter("stribeck_rise", place.unit(E))
+        at = place.parameter("stribeck_flow", place.unit(F), low=1e-3 * place.flow)
+        direction, smooth = _direction(place)
+        size, extra, width = symbols(c, rise, at)
+        law = (size + extra * sympy.exp(-((signals.f / width) ** 2))) * direction
+        name = place.name_of("stribeck_friction")
+        some = 0.3 * place.effort
+        yield Hypothesis(
+            physics=self.word,
+            place=place.name,
+            element=name,
+            edit=place.insert(Resistance(name, law=law), c, rise, at, smooth),
+            law=law,
+            words=f"a {place.domain.effort} against the motion that falls with speed",
+            depends_on=("flow",),
+            starts=tuple(
+                {c.name: some, rise.name: extra_start, at.name: share * place.flow}
+                for share, extra_start in ((0.1, 0.0), (0.1, some), (0.4, some))
+            ),
+            extends=("coulomb_friction",),
+        )
+
+
+class LoadDependentFriction(AbstractPhysics):
+    """Dry friction proportional to the effort that a bond transmits."""
+
+    word = "load_dependent_friction"
+    reference = "Amontons' law; Duclusaud et al., ICRA 2025 (arXiv 2410.08650)"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield one per transmitted load at a 1-junction."""
+        if not _is_one_junction(place):
+            return
+        for bond in _loads(place):
+            mu = place.parameter("mu", "1", low=0.0)
+            direction, smooth = _direction(place)
+            (coefficient,) = symbols(mu)
+            law = coefficient * sympy.Abs(effort(bond)) * direction
+            name = place.name_of("load_dependent_friction")
+            yield Hypothesis(
+                physics=self.word,
+                place=place.name,
+                element=name,
+                edit=place.insert(Resistance(name, law=law), mu, smooth),
+                law=law,
+                words=(
+                    f"a {place.domain.effort} against the motion that grows with the "
+                    f"{place.domain.effort} transmitted through {bond}"
+                ),
+                depends_on=("flow", f"effort({bond})"),
+                starts=({mu.name: 0.0}, {mu.name: 0.1}, {mu.name: 0.3}),
+            )
+
+
+def _loads(place: Place) -> Iterator[str]:
+    """Yield the bonds whose effort loads the contact: outward first, then inputs."""
+    graph = place.graph
+    inward, outward = [], []
+    for bond in graph.bonds_at(place.name):
+        other = graph.node(bond.other(place.name))
+        if isinstance(other, Transformer | Gyrator):
+            (outward if bond.tail == place.name else inward).append(bond.name)
+        elif isinstance(other, EffortSource):
+            inward.append(bond.name)
+    yield from outward[:1] or inward[:1]
+    yield from [*outward[1:], *inward[0 if outward else 1 :]][:1]
+
+
+def _has_free_linear(place: Place, kind: type) -> bool:
+    """Return whether a linear element of `kind` with a fitted value sits here."""
+    graph = place.graph
+    for bond in graph.bonds_at(place.name):
+        node = graph.node(bond.other(place.name))
+        linear = isinstance(node, kind) and getattr(node, "law", None) is None
+        if linear and graph.parameters[node.name].std is None:
+            return True
+    return False

@@ -1,0 +1,102 @@
+"""Flows lost or gained at a 0-junction: leaks, orifices, constant flows."""
+
+from collections.abc import Iterator
+
+import sympy
+
+from bondgraph.physics.friction import E, F, _has_free_linear
+from bondgraph.physics.hypothesis import (
+    AbstractPhysics,
+    Hypothesis,
+    Place,
+    symbols,
+)
+from bondgraph.structure import signals
+from bondgraph.structure.elements import FlowSource, Resistance, ZeroJunction
+
+
+def _is_zero_junction(place: Place) -> bool:
+    return isinstance(place.graph.node(place.name), ZeroJunction)
+
+
+class Leak(AbstractPhysics):
+    """A flow out of the junction proportional to its effort."""
+
+    word = "leak"
+    reference = "laminar leakage; insulation resistance; heat loss"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it at 0-junctions without a freely fitted linear R."""
+        if not _is_zero_junction(place) or _has_free_linear(place, Resistance):
+            return
+        g = place.parameter("leak", place.unit(F, E), low=0.0)
+        (conductance,) = symbols(g)
+        law = conductance * signals.e
+        name = place.name_of("leak")
+        yield Hypothesis(
+            physics=self.word,
+            place=place.name,
+            element=name,
+            edit=place.insert(Resistance(name, law=law), g),
+            law=law,
+            words=f"a {place.domain.flow} lost in proportion to {place.domain.effort}",
+            depends_on=("effort",),
+            starts=({g.name: 0.0}, {g.name: 0.2 * place.flow / place.effort}),
+        )
+
+
+class SquareRootOrifice(AbstractPhysics):
+    """A flow out of the junction with the square root of its effort."""
+
+    word = "square_root_orifice"
+    reference = "Torricelli 1643"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it at 0-junctions; smooth within 0.1 % of the typical effort."""
+        if not _is_zero_junction(place):
+            return
+        k = place.parameter("orifice", place.unit(F), low=0.0)
+        at = place.parameter("orifice_effort", place.unit(E), exact=place.effort)
+        coefficient, typical = symbols(k, at)
+        relative = signals.e / typical
+        law = (
+            coefficient
+            * relative
+            / (relative**2 + sympy.Float(1e-6)) ** sympy.Rational(1, 4)
+        )
+        name = place.name_of("square_root_orifice")
+        yield Hypothesis(
+            physics=self.word,
+            place=place.name,
+            element=name,
+            edit=place.insert(Resistance(name, law=law), k, at),
+            law=law,
+            words=f"a {place.domain.flow} lost with the root of {place.domain.effort}",
+            depends_on=("effort",),
+            starts=({k.name: 0.0}, {k.name: 0.3 * place.flow}),
+        )
+
+
+class ConstantFlow(AbstractPhysics):
+    """A constant flow into the junction."""
+
+    word = "constant_bias"
+    reference = "offset of a source; ambient gain"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it at every 0-junction."""
+        if not _is_zero_junction(place):
+            return
+        b = place.parameter("bias", place.unit(F))
+        (size,) = symbols(b)
+        name = place.name_of("constant_bias")
+        yield Hypothesis(
+            physics=self.word,
+            place=place.name,
+            element=name,
+            edit=place.insert(FlowSource(name, value=size), b),
+            law=size,
+            words=f"a constant {place.domain.flow}",
+            depends_on=(),
+            starts=({b.name: 0.0},),
+        )

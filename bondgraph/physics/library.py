@@ -1,0 +1,36 @@
+"""The list of all physics that a diagnosis considers."""
+
+from bondgraph.physics.fields import (
+    AddedInertia,
+    ConstantBias,
+    Gravity,
+    HardeningSpring,
+    QuadraticDrag,
+    Spring,
+)
+from bondgraph.physics.friction import (
+    CoulombFriction,
+    DirectionDependentFriction,
+    LoadDependentFriction,
+    StribeckFriction,
+    ViscousFriction,
+)
+from bondgraph.physics.hypothesis import AbstractPhysics
+from bondgraph.physics.leakage import ConstantFlow, Leak, SquareRootOrifice
+
+LIBRARY: tuple[AbstractPhysics, ...] = (
+    ViscousFriction(),
+    CoulombFriction(),
+    DirectionDependentFriction(),
+    StribeckFriction(),
+    LoadDependentFriction(),
+    QuadraticDrag(),
+    ConstantBias(),
+    Gravity(),
+    Spring(),
+    HardeningSpring(),
+    AddedInertia(),
+    Leak(),
+    SquareRootOrifice(),
+    ConstantFlow(),
+)
