@@ -1,0 +1,14 @@
+"""Checking: derived gains, poles and zeros against declared values, for CI."""
+
+from bondgraph.checking.declaration import Check, read_checks
+from bondgraph.checking.junit import write_junit
+from bondgraph.checking.run import CheckReport, CheckResult, run_checks
+
+__all__ = [
+    "Check",
+    "CheckReport",
+    "CheckResult",
+    "read_checks",
+    "run_checks",
+    "write_junit",
+]
