@@ -1,0 +1,273 @@
+"""What the numbers say about their sensor: its step, its noise, its limits, its slips.
+
+The noise is read from combinations of neighbouring samples that no smooth signal can
+reach. With divided differences of order k over the actual times, a polynomial of degree
+below k gives zero and white noise of standard deviation s gives s, whatever the steps.
+Higher orders let less of the signal through; the least order after which nothing more
+falls away is taken, and its median, not its mean square, so that events do not count.
+(Order k on a uniform grid is the k-th difference over sqrt(binomial(2k, k)).)
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bondgraph.recordings.recording import FloatArray
+
+ORDERS = range(2, 9)
+AGREEMENT = 1.15
+"""Estimates of two orders within this factor are the same."""
+
+MAD_TO_STD = 1.482602218505602
+"""Standard deviation over median absolute deviation, of a normal distribution."""
+
+LEAST_LEVELS = 8
+"""So few values lie on a grid by chance, or are the steps of a command."""
+
+FLICKER = 0.05
+"""A channel of few levels that changes in more samples than this is a sensor's."""
+
+MOST_CONTRASTS = 200_000
+"""Enough for any median; of longer recordings, evenly spaced windows are taken."""
+
+ON_GRID = 0.1
+"""A distance from the grid, in its steps, that counts as on it (0.2 by chance)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoiseEstimate:
+    """The measurement noise of one channel, in its unit.
+
+    Parameters
+    ----------
+    std
+        Standard deviation of the white part, at least ``quantisation / sqrt(12)``.
+    quantisation
+        The step of the value grid, None where there is none.
+    white
+        Whether what is left beyond smooth signal looks white: neighbouring orders of
+        difference agree. If not, the noise is coloured (or the signal is not smooth at
+        this sampling) and `std` is its fastest part only, a lower bound.
+    """
+
+    std: float
+    quantisation: float | None
+    white: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Saturation:
+    """Samples that sit exactly at an extreme value far more than just beside it.
+
+    ``side`` is ``"least"`` or ``"greatest"``; ``runs`` counts unbroken stays. A machine
+    that rests at the end of its travel looks the same as a sensor at its limit.
+    """
+
+    side: str
+    level: float
+    samples: int
+    runs: int
+
+
+def quantisation(values: ArrayLike) -> float | None:
+    """Return the step of the grid that the values lie on, or None.
+
+    Every value must be a whole number of steps from every other, to within what the
+    written digits (9, or single precision) allow; a few strays are forgiven. Fewer than
+    8 different values count only if they are 3 or more, evenly spaced, and the channel
+    changes between them often: else they are the levels of a command.
+
+    Parameters
+    ----------
+    values
+        Samples of one channel, in any unit.
+    """
+    v = np.asarray(values, dtype=np.float64)
+    v = v[np.isfinite(v)]
+    if v.size == 0:
+        return None
+    written = float(np.max(np.abs(v)))
+    single = np.array_equal(v, v.astype(np.float32).astype(np.float64))
+    blur = written * (2.0**-23 if single else 1e-9)
+    levels = _merged(np.unique(v), 4 * blur)
+    gaps = np.diff(levels)
+    if levels.size < LEAST_LEVELS:
+        return _flicker_step(v, gaps, blur)
+    seeds = np.quantile(gaps, [0.0, 0.01, 0.05, 0.25, 0.5], method="lower")
+    candidates = {float(seed) / divisor for seed in seeds for divisor in range(1, 7)}
+    for step in sorted(candidates, reverse=True):
+        if step > 20 * blur and (refined := _grid_step(levels, step)) is not None:
+            return refined
+    return None
+
+
+def noise_std(time: ArrayLike, values: ArrayLike) -> float:
+    """Return the standard deviation of the white measurement noise.
+
+    At least the quantisation step over sqrt(12). Smooth signal, steps and rare events
+    are let pass; of coloured noise only the fastest part is seen (`estimate_noise` says
+    so). A constant channel has 0.
+
+    Parameters
+    ----------
+    time
+        Seconds, strictly increasing.
+    values
+        Samples of one channel, in any unit.
+    """
+    return estimate_noise(time, values).std
+
+
+def estimate_noise(time: ArrayLike, values: ArrayLike) -> NoiseEstimate:
+    """Return the noise of one channel, its grid, and whether the noise looks white.
+
+    Parameters
+    ----------
+    time
+        Seconds, strictly increasing.
+    values
+        Samples of one channel, in any unit.
+    """
+    t = np.asarray(time, dtype=np.float64)
+    v = np.asarray(values, dtype=np.float64)
+    step = quantisation(v)
+    floor = 0.0 if step is None else step / np.sqrt(12.0)
+    orders = [k for k in ORDERS if v.size >= 4 * (k + 1)]
+    if not orders or np.ptp(v) == 0.0:
+        return NoiseEstimate(std=float(floor), quantisation=step, white=True)
+    scales = np.array([_scale(_contrasts(t, v, k)) for k in orders])
+    settled = scales <= AGREEMENT * np.minimum.accumulate(scales[::-1])[::-1]
+    chosen = int(np.argmax(settled))
+    # The last order alone agrees with itself; that is no agreement.
+    white = chosen < len(orders) - 2 or float(scales[chosen]) <= floor
+    std = max(float(scales[chosen]), float(floor))
+    return NoiseEstimate(std=std, quantisation=step, white=white)
+
+
+def saturation(values: ArrayLike) -> tuple[Saturation, ...]:
+    """Return where samples sit at the least or greatest value, if they do.
+
+    Reported when at least 5 samples and 0.5 % of all are exactly at the extreme, more
+    than 4 times as many as at the values next to it (a quantised peak gives at most
+    2.4), and the channel has more than 16 values, so that it is no switch or command.
+
+    Parameters
+    ----------
+    values
+        Samples of one channel, in any unit.
+    """
+    v = np.asarray(values, dtype=np.float64)
+    if np.unique(v).size <= 2 * LEAST_LEVELS:
+        return ()
+    width = max(quantisation(v) or 0.0, 1e-3 * float(np.ptp(v)))
+    found = []
+    for side, sign in (("least", -1.0), ("greatest", 1.0)):
+        distance = np.max(sign * v) - sign * v
+        at = distance == 0.0
+        beside = np.count_nonzero((distance > 0.0) & (distance <= 1.5 * width))
+        count = int(np.count_nonzero(at))
+        if count >= max(5, 0.005 * v.size) and count > 4 * beside:
+            runs = int(np.count_nonzero(np.diff(at.astype(np.int8), prepend=0) == 1))
+            level = float(v[np.argmax(at)])
+            found.append(Saturation(side=side, level=level, samples=count, runs=runs))
+    return tuple(found)
+
+
+def outliers(time: ArrayLike, values: ArrayLike) -> NDArray[np.intp]:
+    """Return the samples that jump away from both neighbours and back: candidates.
+
+    A jump counts if it exceeds 8 noise standard deviations, 4 times what 95 % of all
+    changes between samples stay below, and 4 times the change across it.
+
+    Parameters
+    ----------
+    time
+        Seconds, strictly increasing.
+    values
+        Samples of one channel, in any unit.
+    """
+    v = np.asarray(values, dtype=np.float64)
+    if v.size < 4 * (ORDERS[0] + 1):
+        return np.empty(0, dtype=np.intp)
+    steps = np.diff(v)
+    out, back = steps[:-1], -steps[1:]
+    jump = np.where(out * back > 0, np.minimum(np.abs(out), np.abs(back)), 0.0)
+    changes = np.abs(steps[steps != 0.0])
+    # A handful of changes may be all jumps; they cannot say what is usual.
+    usual = float(np.quantile(changes, 0.95)) if changes.size >= 10 else 0.0
+    isolated = (jump > max(8.0 * noise_std(time, v), 4.0 * usual)) & (
+        jump > 4.0 * np.abs(v[2:] - v[:-2])
+    )
+    return np.flatnonzero(isolated) + 1
+
+
+def _flicker_step(values: FloatArray, gaps: FloatArray, blur: float) -> float | None:
+    """Return the common gap of a few levels that a channel flickers between."""
+    changes = np.count_nonzero(np.diff(values))
+    often = changes > FLICKER * values.size
+    if gaps.size < 2 or np.ptp(gaps) > 4 * blur or not often:
+        return None
+    return float(gaps.mean())
+
+
+def _merged(levels: FloatArray, blur: float) -> FloatArray:
+    """Return the first of each group of sorted levels closer together than `blur`."""
+    keep = np.diff(levels, prepend=-np.inf) > blur
+    return levels[keep]
+
+
+def _grid_step(levels: FloatArray, step: float) -> float | None:
+    """Return the refined step if the levels lie on a grid of about `step`.
+
+    Gaps between neighbouring levels are short, so that each is rounded safely even
+    with a rough step; their sum then fixes the step to many digits.
+    """
+    gaps = np.diff(levels)
+    for reach in (4.0, 40.0, 4000.0, np.inf):
+        near = gaps < reach * step
+        whole = np.rint(gaps[near] / step)
+        if not whole.sum() > 0:
+            return None
+        on_grid = np.abs(gaps[near] / step - whole) < ON_GRID
+        if on_grid.mean() < 0.98:
+            return None
+        used = whole[on_grid]
+        step = float(gaps[near][on_grid].sum() / used.sum())
+    return step
+
+
+def _contrasts(time: FloatArray, values: FloatArray, order: int) -> FloatArray:
+    """Return the divided differences of `order`, scaled to unit response to noise."""
+    count = values.size - order
+    stride = -(-count // MOST_CONTRASTS)
+    t, v = (
+        np.stack([x[i : i + count : stride] for i in range(order + 1)])
+        for x in (time, values)
+    )
+    # Relative to the window: else short steps underflow, and where the values do not
+    # change at all rounding would stand in for noise.
+    t = (t - t[0]) / (t[-1] - t[0])
+    v = v - v[0]
+    total, power = np.zeros(t.shape[1]), np.zeros(t.shape[1])
+    for i in range(order + 1):
+        weight = np.ones(t.shape[1])
+        for j in range(order + 1):
+            if j != i:
+                weight /= t[i] - t[j]
+        total += weight * v[i]
+        power += weight**2
+    return np.asarray(total / np.sqrt(power), dtype=np.float64)
+
+
+def _scale(contrasts: FloatArray) -> float:
+    """Return a standard deviation that rare large contrasts do not move."""
+    sizes = np.abs(contrasts)
+    scale = MAD_TO_STD * float(np.median(sizes))
+    if scale > 0.0:
+        return scale
+    # More than half are exactly zero: a value held between updates.
+    moving = sizes[sizes > 0.0]
+    if moving.size == 0:
+        return 0.0
+    return MAD_TO_STD * float(np.median(moving) * np.sqrt(moving.size / sizes.size))

@@ -1,0 +1,152 @@
+"""Rows as they come, and the repairs that a user may ask for before they are samples.
+
+Every repair has a refusal as its default, which names the place in the file, and leaves
+a note when it is done: a recording that was mended says so.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.errors import RecordingError
+from bondgraph.recordings.recording import FloatArray
+
+Gaps = Literal["refuse", "drop"]
+Order = Literal["refuse", "sort"]
+Repeats = Literal["refuse", "first", "mean"]
+
+
+class AbstractTable(ABC):
+    """Named columns of numbers somewhere outside.
+
+    Parameters
+    ----------
+    source
+        Path or description, as messages name it.
+    sha256
+        Of the content.
+    headers
+        One text per column, ``name`` or ``name [unit]``.
+    """
+
+    source: str
+    sha256: str
+    headers: tuple[str, ...]
+    has_units = True
+
+    @abstractmethod
+    def columns(self, indices: Sequence[int]) -> list[FloatArray]:
+        """Return the columns numbered `indices`; nan stands for an empty cell."""
+
+    def row(self, i: int) -> str:
+        """Return what row `i` of the columns is called in the file."""
+        return f"row {i}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Samples:
+    """Columns of a table on their way to a recording, time first if there is one.
+
+    ``rows`` keeps the number of each sample in the table, for messages.
+    """
+
+    table: AbstractTable
+    columns: list[FloatArray]
+    rows: NDArray[np.intp]
+    notes: tuple[str, ...] = ()
+
+    def take(
+        self, chosen: NDArray[np.bool_] | NDArray[np.intp], note: str
+    ) -> "Samples":
+        """Return the chosen samples, with a note saying why."""
+        return replace(
+            self,
+            columns=[column[chosen] for column in self.columns],
+            rows=self.rows[chosen],
+            notes=(*self.notes, note),
+        )
+
+    def scaled(self, scale: float) -> "Samples":
+        """Return the samples with the first column (time) multiplied."""
+        return replace(self, columns=[self.columns[0] * scale, *self.columns[1:]])
+
+    def where(self, i: int) -> str:
+        """Return what sample `i` is called in the file."""
+        return self.table.row(int(self.rows[i]))
+
+
+def without_gaps(samples: Samples, names: Sequence[str], gaps: Gaps) -> Samples:
+    """Return the samples whose cells are all finite, or refuse the first gap."""
+    table, keep = samples.table, np.ones(samples.rows.size, dtype=np.bool_)
+    for name, column in zip(names, samples.columns, strict=True):
+        bad = np.flatnonzero(~np.isfinite(column))
+        if bad.size and gaps == "refuse":
+            raise RecordingError(
+                f"Channel {name!r} of {table.source!r} is not a finite number in "
+                f"{bad.size} of {column.size} samples, first {column[bad[0]]} at "
+                f"{samples.where(int(bad[0]))}.",
+                (table.source, name),
+                'Drop those rows with gaps="drop", or leave the channel out with '
+                "channels=(...).",
+            )
+        keep[bad] = False
+    dropped = int(keep.size - keep.sum())
+    if not dropped:
+        return samples
+    return samples.take(keep, f"{dropped} samples with missing values were dropped.")
+
+
+def in_order(samples: Samples, clock: str, order: Order) -> Samples:
+    """Return the samples sorted by time, or refuse the first step backward."""
+    time = samples.columns[0]
+    backward = np.flatnonzero(np.diff(time) < 0)
+    if not backward.size:
+        return samples
+    i = int(backward[0])
+    if order == "refuse":
+        raise RecordingError(
+            f"The time of {samples.table.source!r} runs backward in {_places(backward)}"
+            f" {samples.where(i + 1)}: {time[i + 1]:.9g} s after {time[i]:.9g} s.",
+            (samples.table.source, clock),
+            'Sort the samples with order="sort" if their times are right.',
+        )
+    return samples.take(
+        np.argsort(time, kind="stable"), "The samples were sorted by time."
+    )
+
+
+def without_repeats(samples: Samples, clock: str, repeats: Repeats) -> Samples:
+    """Return one sample per time, or refuse the first time that comes twice."""
+    time = samples.columns[0]
+    repeated = np.flatnonzero(np.diff(time) == 0)
+    if not repeated.size:
+        return samples
+    i = int(repeated[0]) + 1
+    if repeats == "refuse":
+        raise RecordingError(
+            f"The time of {samples.table.source!r} repeats in {_places(repeated)} "
+            f"{samples.where(i)}: {time[i]:.9g} s again.",
+            (samples.table.source, clock),
+            'Keep the first sample of each time with repeats="first", or average '
+            'them with repeats="mean".',
+        )
+    first = np.flatnonzero(np.diff(time, prepend=-np.inf) > 0)
+    verb = "averaged" if repeats == "mean" else "dropped"
+    kept = samples.take(
+        first, f"{repeated.size} samples with a repeated time were {verb}."
+    )
+    if repeats == "first":
+        return kept
+    counts = np.diff(first, append=time.size)
+    means = [np.add.reduceat(column, first) / counts for column in samples.columns[1:]]
+    return replace(kept, columns=[kept.columns[0], *means])
+
+
+def _places(where: NDArray[np.intp]) -> str:
+    if where.size == 1:
+        return "one place,"
+    return f"{where.size} places, first at"
