@@ -1,7 +1,9 @@
 """Units are checked and converted to SI where a number enters, and nowhere else.
 
 The arithmetic is pint's. A unit that pint does not know (``raw``, ``tick``) is a
-dimension of its own: it fits only the same word.
+dimension of its own: it fits only the same word. So do counts and pixels, which pint
+would turn into 1 and into the metres of a printed page. Cycles (Hz) and angles (rad/s)
+do not convert into one another, since one of them lacks the 2 pi.
 """
 
 import re
@@ -14,6 +16,15 @@ if TYPE_CHECKING:
     import pint
 
 DIMENSIONLESS = ("", "1", "-")
+_OWN_WORDS = frozenset(
+    "bit bits byte bytes count counts dot dots pixel pixels px".split(" ")
+)
+_CYCLES = frozenset("Hz kHz MHz GHz hertz".split(" "))
+_ANGLES = frozenset(
+    "rad radian deg degree rpm rev revolution turn mrad revolutions_per_minute".split(
+        " "
+    )
+)
 
 
 @cache
@@ -23,6 +34,10 @@ def _registry() -> "pint.UnitRegistry[Any]":
     return pint.UnitRegistry()
 
 
+def _words(unit: str) -> set[str]:
+    return set(re.findall(r"[A-Za-z%Ω°]+", unit))
+
+
 def _parse(unit: str) -> "pint.Unit | None":
     """Return pint's unit, or None for a word it does not know."""
     import pint  # noqa: PLC0415
@@ -30,6 +45,8 @@ def _parse(unit: str) -> "pint.Unit | None":
     text = {"%": "percent", "°C": "degC", "Ω": "ohm"}.get(unit.strip(), unit.strip())
     if text in DIMENSIONLESS:
         return _registry().Unit("dimensionless")
+    if _words(text) & _OWN_WORDS:
+        return None
     try:
         return _registry().Unit(text.replace("·", "*").replace("^", "**"))
     except (pint.errors.UndefinedUnitError, pint.errors.DefinitionSyntaxError):
@@ -54,6 +71,13 @@ def conversion(source: str, target: str) -> tuple[float, float]:
     if source.strip() == target.strip():
         return 1.0, 0.0
     a, b = _parse(source), _parse(target)
+    for frequency, speed in ((source, target), (target, source)):
+        if _words(frequency) & _CYCLES and _words(speed) & _ANGLES:
+            raise UnitError(
+                f"{source!r} does not convert to {target!r} without a 2 pi.",
+                (source, target),
+                "Write turn/s for a speed in cycles per second.",
+            )
     if a is None or b is None or not a.is_compatible_with(b):
         raise UnitError(
             f"{source!r} is not a unit of {target!r}.",
@@ -86,8 +110,7 @@ def si_unit(unit: str) -> str:
 
     A unit that pint does not know is returned as it is.
     """
-    words = set(re.findall(r"[A-Za-z%Ω°]+", unit))
-    if words <= _SI_WORDS or unit.strip() in DIMENSIONLESS:
+    if _words(unit) <= _SI_WORDS or unit.strip() in DIMENSIONLESS:
         return unit
     parsed = _parse(unit)
     if parsed is None:
