@@ -1,0 +1,279 @@
+"""The FlegX models against the thesis, and the reconciliation against its claims."""
+
+import ast
+import itertools
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+from bondgraph import Published, Reconciled, derive, linearise
+from flegx_models import gains, models
+from flegx_models.gains import Agreement
+from flegx_models.models import lowerleg_stance, upperleg_flight
+from flegx_models.parameters import PRINTED, RECONCILED
+from flegx_models.published import PUBLISHED
+
+BY_MODEL = {published.model: published for published in PUBLISHED}
+LOWER = ("I_gear_tendons", "I_lowerleg", "c_friction_lowerleg", "m_lowerleg")
+UPPER = ("I_gear", "I_upperleg", "c_friction_upperleg", "m_upperleg")
+
+
+def reflected(model, parameters):
+    """Return N, J and c by hand (eq. 4.3, 4.9, 4.26, 4.32 times the load inertia)."""
+    v = {p.name: p.value for p in parameters.members}
+    gear, link, friction, mass = LOWER if model.startswith("lower") else UPPER
+    N = v["K_gearbox"] * v["K_worm_gear"]
+    J = (v["I_motor"] + v["I_gearbox"]) * N**2 + v["I_worm"] * v["K_worm_gear"] ** 2
+    J += v[gear] + v[link]
+    if model.endswith("stance"):
+        lever = 2 * v["L"] * math.sin(v["theta_0"])
+        J += (v["m_motors_support"] + v[mass]) * lever**2
+    return N, J, v[friction]
+
+
+@pytest.mark.parametrize("published", PUBLISHED, ids=lambda p: p.model)
+def test_reconciled_gives_the_printed_gains_to_the_printed_digits(published):
+    gain, _ = gains.derived(getattr(models, published.model)(RECONCILED))
+    assert round(gain, published.gain_decimals) == published.gain
+
+
+@pytest.mark.parametrize(
+    ("model", "gain"), [("lowerleg_flight", 180.35), ("upperleg_flight", 164.87)]
+)
+def test_printed_parameters_give_other_flight_gains(model, gain):
+    derived, _ = gains.derived(getattr(models, model)(PRINTED))
+    assert round(derived, 2) == gain
+    assert derived / BY_MODEL[model].gain == pytest.approx(1.02, abs=0.004)
+
+
+@pytest.mark.parametrize("model", BY_MODEL)
+def test_gain_is_n_over_j_and_friction_pole_is_c_over_j(model):
+    """At values that belong to no set, so that nothing can be typed in."""
+    generator = np.random.default_rng(7)
+    odd = RECONCILED.with_values(
+        {p.name: p.value * generator.uniform(0.5, 2) for p in RECONCILED.members}
+    )
+    gain, pole = gains.derived(getattr(models, model)(odd))
+    N, J, c = reflected(model, odd)
+    assert gain == pytest.approx(N / J, rel=1e-12)
+    assert pole == pytest.approx(c / J, rel=1e-9)
+
+
+def test_the_gain_is_a_formula_of_the_parameters():
+    graph = upperleg_flight().finish()
+    system = linearise(derive(graph))
+    gain = system.transfer_function("theta", "T_motor").gain
+    assert {str(symbol) for symbol in gain.free_symbols} == {
+        *("K_gearbox", "K_worm_gear", "I_motor", "I_gearbox", "I_worm"),
+        *("I_gear", "I_upperleg"),
+    }
+
+
+@pytest.mark.parametrize(
+    ("model", "ratio"),
+    [
+        ("lowerleg_flight", 116),
+        ("upperleg_flight", 26),
+        ("lowerleg_stance", 190),
+        ("upperleg_stance", 40),
+    ],
+)
+def test_printed_gain_and_printed_pole_need_different_inertias(model, ratio):
+    """One J in gain = N/J, another in pole = c/J: the two printed forms conflict."""
+    published = BY_MODEL[model]
+    N, _, c = reflected(model, RECONCILED)
+    from_gain, from_pole = N / published.gain, c / published.friction_pole
+    assert from_gain / from_pole == pytest.approx(ratio, abs=0.5)
+    _, derived = gains.derived(getattr(models, model)(RECONCILED))
+    assert derived == pytest.approx(c / from_gain, rel=1e-4)
+
+
+def test_the_upper_pole_is_not_even_its_own_formula():
+    c = PRINTED["c_friction_upperleg"].value
+    published = BY_MODEL["upperleg_flight"].friction_pole
+    assert round(c / 0.0593, 2) == published  # the upper leg alone, section 3.3.3
+    assert round(c / PRINTED["I_upperleg"].value, 3) == 0.117  # what eq. 4.12 writes
+
+
+def test_stance_needs_a_length_that_is_not_printed():
+    rows = [row for row in gains.table() if row.parameters == "PRINTED"]
+    for row in rows:
+        stance = row.model.endswith("stance")
+        assert (row.agreement is Agreement.NOT_COMPUTABLE) == stance
+        assert ("L is not printed" in row.reason) == stance
+
+
+def test_the_table_says_what_reproduces():
+    rows = gains.table()
+    assert len(rows) == 16
+    reproduced = {(r.model, r.quantity, r.parameters) for r in rows if not r.reason}
+    assert reproduced == {(model, "gain", "RECONCILED") for model in BY_MODEL}
+    text = gains.as_text(rows)
+    assert len(text.splitlines()) == 17
+    assert "+2.03 %" in text
+
+
+# -- parameters ---------------------------------------------------------------------
+
+
+def test_every_printed_value_has_a_place_in_the_thesis():
+    for parameter in PRINTED.members:
+        assert isinstance(parameter.source, Published)
+        assert parameter.source.reference.startswith("FlegX thesis, ")
+        assert parameter.value is None or parameter.rounding is not None
+    assert [p.name for p in PRINTED.members if p.value is None] == ["L"]
+
+
+def test_what_is_exact_and_what_is_rounded():
+    exact = {p.name for p in PRINTED.members if p.exact}
+    assert exact == {"K_gearbox", "K_worm_gear", "theta_0"}
+    for parameter in PRINTED.members:
+        if parameter.rounding:
+            assert parameter.std == pytest.approx(parameter.rounding / math.sqrt(3))
+
+
+def test_reconciled_says_which_four_numbers_it_changed():
+    changed = {p.name for p in RECONCILED.members if p != PRINTED[p.name]}
+    assert changed == {"I_motor", "I_upperleg", "m_lowerleg", "L"}
+    for name in changed:
+        assert isinstance(RECONCILED[name].source, Reconciled)
+        assert RECONCILED[name].source.reason
+
+
+def test_the_drawings_contain_no_number_but_the_two_of_2_l_sin_theta():
+    tree = ast.parse(Path(models.__file__).read_text(encoding="utf-8"))
+    numbers = {
+        node.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, int | float)
+    }
+    assert numbers == {2}
+
+
+# -- the reconciliation: what its docstring claims ------------------------------------
+
+INERTIAS = ("I_motor", "I_gearbox", "I_worm", *LOWER[:2], *UPPER[:2])
+
+
+def interval(model):
+    """Return the interval of gains that print as the published one."""
+    published = BY_MODEL[model]
+    half = 0.5 * 10**-published.gain_decimals
+    return published.gain - half, published.gain + half
+
+
+def explains(free, worm_ratio=None, pinned=None):
+    """Return the ranges of the inertias in `free` that explain both flight gains.
+
+    All other inertias stay in their rounding intervals; None if there is no way.
+    """
+    K_worm = PRINTED["K_worm_gear"].value if worm_ratio is None else worm_ratio
+    N = PRINTED["K_gearbox"].value * K_worm
+    printed = np.array([PRINTED[name].value for name in INERTIAS])
+    half = np.array([PRINTED[name].rounding for name in INERTIAS])
+    weights = {"I_motor": N**2, "I_gearbox": N**2, "I_worm": K_worm**2}
+    rows, limits = [], []
+    for model, other in (("lowerleg_flight", UPPER), ("upperleg_flight", LOWER)):
+        row = [0 if n in other else weights.get(n, 1) for n in INERTIAS] * printed
+        low, high = (N / gain for gain in reversed(interval(model)))
+        rows += [row, -row]
+        limits += [high, -low]
+    bounds = list(zip(1 - half / printed, 1 + half / printed, strict=True))
+    for name in free:
+        bounds[INERTIAS.index(name)] = (0, None)
+    for name, value in (pinned or {}).items():
+        k = INERTIAS.index(name)
+        bounds[k] = (value / printed[k],) * 2
+    ranges = {}
+    for name in free or INERTIAS[:1]:
+        k = INERTIAS.index(name)
+        cost = np.eye(len(INERTIAS))[k]
+        ends = [linprog(s * cost, rows, limits, bounds=bounds) for s in (1, -1)]
+        if any(end.status != 0 for end in ends):
+            return None
+        ranges[name] = tuple(end.x[k] * printed[k] for end in ends)
+    return ranges
+
+
+def total_change(pair):
+    """Return the least |ln(new/printed)| summed over the two, on a fine grid."""
+    first, second = pair
+    least = math.inf
+    for value in np.linspace(*explains(pair)[first], 40):
+        rest = explains((second,), pinned={first: value})
+        if rest is None:
+            continue
+        printed = PRINTED[second].value
+        other = min(max(printed, rest[second][0]), rest[second][1])
+        change = abs(math.log(value / PRINTED[first].value))
+        least = min(least, change + abs(math.log(other / printed)))
+    return least
+
+
+def test_no_rounding_and_no_single_inertia_explains_the_flight_gains():
+    assert explains(()) is None
+    for name in INERTIAS:
+        assert explains((name,)) is None
+
+
+def test_the_chosen_pair_is_the_smallest_of_thirteen():
+    pairs = [p for p in itertools.combinations(INERTIAS, 2) if explains(p)]
+    assert len(pairs) == 13
+    changes = sorted((total_change(pair), pair) for pair in pairs)
+    assert [pair for _, pair in changes[:4]] == [
+        ("I_motor", "I_upperleg"),
+        ("I_motor", "I_lowerleg"),
+        ("I_gearbox", "I_upperleg"),
+        ("I_gearbox", "I_lowerleg"),
+    ]
+    sizes = [change for change, _ in changes]
+    assert sizes[:4] == pytest.approx([0.036, 0.155, 0.376, 0.476], abs=0.01)
+    assert min(sizes[4:]) > math.log(2)
+
+
+def test_a_slip_in_the_worm_ratio_alone_would_do():
+    slips = [k for k in np.arange(9.80, 9.94, 0.002) if explains((), worm_ratio=k)]
+    assert (min(slips), max(slips)) == pytest.approx((9.844, 9.896), abs=0.002)
+
+
+def length_interval(model, mass, support, spread):
+    """Return the range of L that the stance gain needs; `spread` widens the mass."""
+    N, J, _ = reflected(model.replace("stance", "flight"), RECONCILED)
+    low, high = (N / gain - J for gain in reversed(interval(model)))
+    return (
+        math.sqrt(low / (mass + support + spread)),
+        math.sqrt(high / (mass + support - spread)),
+    )
+
+
+def test_one_length_needs_the_tendons_on_the_lower_branch():
+    support = PRINTED["m_motors_support"].value
+    lower, upper = PRINTED["m_lowerleg"], PRINTED["m_upperleg"]
+    spread = PRINTED["m_motors_support"].rounding + lower.rounding
+    printed = length_interval("lowerleg_stance", lower.value, support, spread)
+    other = length_interval("upperleg_stance", upper.value, support, spread)
+    assert printed[0] > other[1]
+    with_tendons = RECONCILED["m_lowerleg"].value
+    both = [
+        length_interval("lowerleg_stance", with_tendons, support, 0.0),
+        length_interval("upperleg_stance", upper.value, support, 0.0),
+    ]
+    common = max(low for low, _ in both), min(high for _, high in both)
+    assert common[0] < RECONCILED["L"].value < common[1]
+
+
+def test_a_stance_model_moves_the_support_by_2_l_sin_theta():
+    """Small angles: the support rises by -2 L sin θ0 per joint angle (eq. 4.21)."""
+    graph = lowerleg_stance()
+    graph.measure("height", displacement="support")
+    system = linearise(derive(graph.finish()))
+    values = graph.finish().parameters.values_by_name()
+    height, theta = (
+        float(system.transfer_function(name, "T_motor").gain.subs(values))
+        for name in ("height", "theta")
+    )
+    L, theta_0 = values["L"], values["theta_0"]
+    assert height / theta == pytest.approx(-2 * L * math.sin(theta_0))
