@@ -1,1 +1,1 @@
-"""Recordings."""
+"""Recordings in: read, refused or repaired, bound to a model, cut, and judged."""

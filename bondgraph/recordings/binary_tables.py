@@ -14,7 +14,7 @@ from typing import Any, cast
 import numpy as np
 
 from bondgraph.errors import MissingExtraError, RecordingError
-from bondgraph.recordings.recording import FloatArray
+from bondgraph.recordings.channel import FloatArray
 from bondgraph.recordings.repairs import AbstractTable
 
 MOST_COLUMNS_LISTED = 64

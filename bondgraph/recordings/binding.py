@@ -13,16 +13,10 @@ from typing import Any
 import numpy as np
 
 from bondgraph.errors import RecordingError, UnitError, did_you_mean
+from bondgraph.recordings.channel import Channel, FloatArray, read_only
 from bondgraph.recordings.names import join_header
 from bondgraph.recordings.reading import read_recording
-from bondgraph.recordings.recording import (
-    Channel,
-    FloatArray,
-    Recording,
-    as_index,
-    part_range,
-    read_only,
-)
+from bondgraph.recordings.recording import Recording, as_index, part_range
 from bondgraph.structure.units import conversion
 
 

@@ -13,7 +13,7 @@ from hashlib import sha256
 import numpy as np
 
 from bondgraph.errors import RecordingError
-from bondgraph.recordings.recording import FloatArray
+from bondgraph.recordings.channel import FloatArray
 from bondgraph.recordings.repairs import AbstractTable
 
 UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bondgraph.errors import RecordingError
-from bondgraph.recordings.recording import FloatArray, Recording
+from bondgraph.recordings.channel import FloatArray
+from bondgraph.recordings.recording import Recording
 from bondgraph.recordings.repairs import AbstractTable, Gaps, Order, Repeats
 from bondgraph.recordings.table import Choices, read_table
 

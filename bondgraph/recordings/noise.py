@@ -13,11 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bondgraph.recordings.recording import FloatArray
+from bondgraph.recordings.channel import FloatArray
 
 ORDERS = range(2, 9)
 AGREEMENT = 1.15
 """Estimates of two orders within this factor are the same."""
+
+SAMENESS = 1.04
+"""Estimates of all orders within this factor, and their error, show white noise."""
 
 MAD_TO_STD = 1.482602218505602
 """Standard deviation over median absolute deviation, of a normal distribution."""
@@ -46,9 +49,10 @@ class NoiseEstimate:
     quantisation
         The step of the value grid, None where there is none.
     white
-        Whether what is left beyond smooth signal looks white: neighbouring orders of
-        difference agree. If not, the noise is coloured (or the signal is not smooth at
-        this sampling) and `std` is its fastest part only, a lower bound.
+        Whether the noise is seen to be white: all orders of difference agree. If not,
+        signal or coloured noise reaches into the fastest band, which one cannot be told
+        from this channel alone; of coloured noise `std` is the fastest part only, a
+        lower bound.
     """
 
     std: float
@@ -139,8 +143,8 @@ def estimate_noise(time: ArrayLike, values: ArrayLike) -> NoiseEstimate:
     scales = np.array([_scale(_contrasts(t, v, k)) for k in orders])
     settled = scales <= AGREEMENT * np.minimum.accumulate(scales[::-1])[::-1]
     chosen = int(np.argmax(settled))
-    # The last order alone agrees with itself; that is no agreement.
-    white = chosen < len(orders) - 2 or float(scales[chosen]) <= floor
+    sameness = SAMENESS + 3.0 / np.sqrt(v.size)  # about three of its own errors
+    white = bool(np.max(scales) <= sameness * np.min(scales))
     std = max(float(scales[chosen]), float(floor))
     return NoiseEstimate(std=std, quantisation=step, white=white)
 
@@ -229,11 +233,13 @@ def _grid_step(levels: FloatArray, step: float) -> float | None:
         whole = np.rint(gaps[near] / step)
         if not whole.sum() > 0:
             return None
-        on_grid = np.abs(gaps[near] / step - whole) < ON_GRID
-        if on_grid.mean() < 0.98:
+        distance = np.abs(gaps[near] / step - whole)
+        if np.mean(distance < ON_GRID) < 0.98:
             return None
-        used = whole[on_grid]
-        step = float(gaps[near][on_grid].sum() / used.sum())
+        # A stray beside the grid by less than that is still not of it.
+        good = distance <= min(ON_GRID, 5 * float(np.median(distance)) + 1e-9)
+        if whole[good].sum() > 0:
+            step = float(gaps[near][good].sum() / whole[good].sum())
     return step
 
 

@@ -14,19 +14,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bondgraph.errors import (
-    MissingExtraError,
-    RecordingError,
-    UnitError,
-    did_you_mean,
-)
+from bondgraph.errors import MissingExtraError, RecordingError, did_you_mean
+from bondgraph.recordings.channel import Channel, FloatArray, numbers, read_only
 from bondgraph.recordings.names import join_header
-from bondgraph.structure.units import conversion
 
 if TYPE_CHECKING:
     import pandas as pd
-
-FloatArray = NDArray[np.float64]
 
 LEAST_SAMPLES = 8
 """A recording with fewer samples says nothing about dynamics."""
@@ -36,58 +29,6 @@ LEAST_ROWS = 2
 
 UNIFORM_TOLERANCE = 1e-3
 """Steps that differ from the median step by less than this share are equal."""
-
-
-def read_only(values: ArrayLike) -> FloatArray:
-    """Return a float64 copy of `values` that cannot be written to."""
-    array = np.array(values, dtype=np.float64)
-    array.flags.writeable = False
-    return array
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Channel:
-    """One measured quantity: its name, its unit and one value per sample.
-
-    Raises
-    ------
-    RecordingError
-        If the values are not a vector of finite numbers.
-    """
-
-    name: str
-    unit: str
-    values: FloatArray
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "values", read_only(self.values))
-        if self.values.ndim != 1:
-            raise RecordingError(
-                f"Channel {self.name!r} has the shape {self.values.shape}.",
-                (self.name,),
-                "Give one value per sample.",
-            )
-        bad = np.flatnonzero(~np.isfinite(self.values))
-        if bad.size:
-            raise RecordingError(
-                f"Channel {self.name!r} is not finite in {bad.size} samples, "
-                f"first in sample {bad[0]}.",
-                (self.name,),
-                "Leave those samples out of all channels.",
-            )
-
-    def to(self, unit: str) -> "Channel":
-        """Return the channel converted to `unit`."""
-        try:
-            scale, offset = conversion(self.unit, unit)
-        except UnitError as error:
-            raise RecordingError(
-                f"Channel {self.name!r} is in {self.unit!r}, which does not convert "
-                f"to {unit!r}.",
-                (self.name, self.unit, unit),
-                error.remedy,
-            ) from error
-        return Channel(self.name, unit, self.values * scale + offset)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -171,7 +112,7 @@ class Recording:
             samples (2 rows without time), or time does not increase.
         """
         made = tuple(
-            Channel(n, unit, _numbers(n, v)) for n, (v, unit) in channels.items()
+            Channel(n, unit, numbers(n, v)) for n, (v, unit) in channels.items()
         )
         if not made:
             raise RecordingError(
@@ -180,7 +121,7 @@ class Recording:
         if time is None:
             clock = np.arange(made[0].values.size, dtype=np.float64)
         else:
-            clock = _numbers("time", time)
+            clock = numbers("time", time)
         check_count(name, clock.size, steady=time is None)
         content = sha256(np.ascontiguousarray(clock).data)
         for channel in made:
@@ -365,17 +306,6 @@ def _check_clock(name: str, time: FloatArray) -> None:
             (name, "time"),
             "Sort the samples and keep one per time.",
         )
-
-
-def _numbers(name: str, values: ArrayLike) -> FloatArray:
-    try:
-        return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise RecordingError(
-            f"Channel {name!r} is not an array of numbers ({error}).",
-            (name,),
-            "Give one number per sample.",
-        ) from error
 
 
 def check_count(name: str, count: int, *, steady: bool) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.errors import RecordingError
-from bondgraph.recordings.recording import FloatArray
+from bondgraph.recordings.channel import FloatArray
 
 Gaps = Literal["refuse", "drop"]
 Order = Literal["refuse", "sort"]

@@ -12,8 +12,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from bondgraph.errors import RecordingError, did_you_mean
+from bondgraph.recordings.channel import Channel
 from bondgraph.recordings.names import split_header
-from bondgraph.recordings.recording import Channel, Recording, check_count
+from bondgraph.recordings.recording import Recording, check_count
 from bondgraph.recordings.repairs import (
     AbstractTable,
     Gaps,

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from bondgraph.errors import RecordingError
 from bondgraph.recordings.binding import BoundRecording
-from bondgraph.recordings.recording import FloatArray, Recording
+from bondgraph.recordings.channel import FloatArray
+from bondgraph.recordings.recording import Recording
 
 GAP_FACTOR = 3.0
 """A step of more than this many median steps is a gap."""
@@ -207,8 +208,10 @@ def _between(cuts: Sequence[int]) -> tuple[Window, ...]:
 
 def _dealt(count: int, fraction: float) -> NDArray[np.bool_]:
     """Return which of `count` rows to train on, spread evenly."""
-    share = np.ceil(np.arange(1, count + 1) * fraction - 1e-9)
-    dealt: NDArray[np.bool_] = np.diff(share, prepend=0.0) > 0
+    # Held-out rows sit mid-way through each stretch of trained ones, so that the ends
+    # of the range are trained on: prediction, not extrapolation.
+    share = np.floor(np.arange(count + 1) * (1.0 - fraction) + 0.5 - 1e-9)
+    dealt: NDArray[np.bool_] = np.diff(share) <= 0
     return dealt
 
 
