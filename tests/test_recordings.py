@@ -552,7 +552,9 @@ def test_reading_for_a_model_ignores_what_it_does_not_use(write):
     assert bound.unused == ("note", "y")
     text = refusal(read_bound, write(content), {}, {"x": "m"}, mapping={"z": "x"})
     assert "'z'" in text
-    assert "no column 'w'" in refusal(read_bound, write(content), {}, {"w": "m"})
+    text = refusal(read_bound, write(content), {}, {"w": "m"})
+    assert "no column 'w'" in text
+    assert "w=COLUMN" in text
 
 
 @pytest.mark.parametrize(

@@ -211,6 +211,8 @@ def _find(table: AbstractTable, names: list[str], name: str, column: str) -> int
             " Name the time column with time=..., give step=... in seconds, or say "
             "steady=True if every row is an operating point of its own."
         )
+    else:
+        remedy += f" Map another to it: {name}=COLUMN."
     raise RecordingError(
         f"{table.source!r} has no column {column!r}{mapped}.",
         (table.source, column),
