@@ -9,13 +9,19 @@ rates ẋ appearing linearly in none of them by construction, the record means::
     0   = residual_k(s, x, ẋ, z, u, p, t)      (one per algebraic unknown)
     y_j = output_j(s, x, ẋ, z, u, p, t)
 
-Algebraic unknowns are the efforts of dependent (derivative-causality) storages, whose
-residual contains ẋ, and the cut variables of algebraic loops.
+Algebraic unknowns are the efforts (flows) of dependent I (C), whose residual contains
+ẋ, and the cut variables of algebraic loops. Assignments that contain ẋ come after all
+others, and only residuals and outputs read them; so one evaluates the first part, then
+the rates, then the rest.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import sympy
+
+from bondgraph.errors import EquationError, did_you_mean
+from bondgraph.structure.domains import Quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +70,14 @@ class StateEquations:
         Algebraic unknowns z and, for each, an expression that must vanish.
     parameters
         Parameter symbols, in the order of the graph's parameter set.
+    reasons
+        For each unknown, in words, why it is one.
+    further
+        Assignments, evaluated after the others, that neither a rate nor a residual nor
+        an output needs; they complete `signals`.
+    signals
+        The effort and flow of every bond, element and junction, and the momentum and
+        displacement of storages, by (quantity, place); see `signal`.
     """
 
     name: str
@@ -77,3 +91,32 @@ class StateEquations:
     residuals: tuple[sympy.Expr, ...]
     outputs: tuple[Output, ...]
     input_units: tuple[str, ...] = ()
+    reasons: tuple[str, ...] = ()
+    further: tuple[Assignment, ...] = ()
+    signals: Mapping[tuple[Quantity, str], sympy.Expr] = field(default_factory=dict)
+
+    def signal(self, quantity: Quantity | str, place: str) -> sympy.Expr:
+        """Return a port variable in terms of states, inputs and assigned symbols.
+
+        Parameters
+        ----------
+        quantity
+            ``effort``, ``flow``, ``momentum`` or ``displacement``.
+        place
+            A bond, a one-port (power positive into an I, C or R and out of a source)
+            or a junction (its common variable).
+
+        Raises
+        ------
+        EquationError
+            If there is no such variable there.
+        """
+        try:
+            return self.signals[Quantity(quantity), place]
+        except KeyError:
+            known = {p for q, p in self.signals if q == quantity}
+            raise EquationError(
+                f"{self.name!r} has no {quantity} at {place!r}.",
+                (place,),
+                did_you_mean(place, known),
+            ) from None
