@@ -24,14 +24,13 @@ def refuse_singular(equations: StateEquations) -> None:
         return
     evaluate = _Somewhere()
     rows = seeded(equations.unknowns, 1.0)
-    rated = {state.rate for state in equations.states}
-    early = [a for a in equations.assignments if not a.expression.free_symbols & rated]
+    early, late = equations.around_rates()
     rows = propagate(rows, early, evaluate)
     for state, rate in zip(equations.states, equations.rates, strict=True):
         row = row_of(rate, rows, evaluate)
         if row:
             rows[state.rate] = row
-    rows = propagate(rows, equations.assignments, evaluate)
+    rows = propagate(rows, late, evaluate)
     matrix = [row_of(residual, rows, evaluate) for residual in equations.residuals]
     defective = _undetermined(matrix)
     if defective:

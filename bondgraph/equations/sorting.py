@@ -31,8 +31,7 @@ def without_aliases(
             aliases[symbol] = target
         else:
             kept[symbol] = definition
-    for symbol in aliases:
-        aliases[symbol] = _resolved(aliases[symbol], aliases)
+    aliases = {symbol: _resolved(target, aliases) for symbol, target in aliases.items()}
     return (
         {
             symbol: Definition(
@@ -106,6 +105,7 @@ def components(
     stack: list[sympy.Symbol] = []
     on_stack: set[sympy.Symbol] = set()
     found: list[list[sympy.Symbol]] = []
+    outside = {s for reads in graph.values() for s in reads if s not in graph} | cut
 
     def enter(node: sympy.Symbol) -> None:
         number[node] = low[node] = len(number)
@@ -113,14 +113,14 @@ def components(
         on_stack.add(node)
 
     for root in roots:
-        if root in number or root in cut:
+        if root in number or root in outside:
             continue
         enter(root)
         path = [(root, iter(graph[root]))]
         while path:
             node, successors = path[-1]
             for successor in successors:
-                if successor in cut or successor not in graph:
+                if successor in outside:
                     continue
                 if successor not in number:
                     enter(successor)
@@ -130,8 +130,8 @@ def components(
                     low[node] = min(low[node], number[successor])
             else:
                 path.pop()
-                if path:
-                    low[path[-1][0]] = min(low[path[-1][0]], low[node])
+                parent = path[-1][0] if path else node
+                low[parent] = min(low[parent], low[node])
                 if low[node] == number[node]:
                     found.append(_popped(stack, on_stack, node))
     return found

@@ -95,6 +95,14 @@ class StateEquations:
     further: tuple[Assignment, ...] = ()
     signals: Mapping[tuple[Quantity, str], sympy.Expr] = field(default_factory=dict)
 
+    def around_rates(self) -> tuple[tuple[Assignment, ...], tuple[Assignment, ...]]:
+        """Return the assignments evaluated before the rates, and those after."""
+        rates = {state.rate for state in self.states}
+        for i, assignment in enumerate(self.assignments):
+            if not rates.isdisjoint(assignment.expression.free_symbols):
+                return self.assignments[:i], self.assignments[i:]
+        return self.assignments, ()
+
     def signal(self, quantity: Quantity | str, place: str) -> sympy.Expr:
         """Return a port variable in terms of states, inputs and assigned symbols.
 
