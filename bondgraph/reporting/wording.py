@@ -1,0 +1,79 @@
+"""How answers are put into words and numbers, the same on paper and in the terminal."""
+
+import math
+
+from bondgraph.diagnosis.records import Verdict
+
+VERDICTS = {
+    Verdict.ADEQUATE: "Nothing is missing",
+    Verdict.PHYSICS_MISSING: "Physics is missing",
+    Verdict.UNEXPLAINED: "Something is missing that has no name here",
+    Verdict.CANNOT_TELL: "These recordings cannot tell",
+}
+_PEOPLE = {"coulomb": "Coulomb", "stribeck": "Stribeck"}
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+NOTHING = "–"
+
+
+def physics_words(physics: str) -> str:
+    """Return a physics word of the contract as words (``Coulomb friction``)."""
+    return " ".join(_PEOPLE.get(word, word) for word in physics.split("_"))
+
+
+def sentence_start(text: str) -> str:
+    """Return `text` with its first letter raised and the others as they are."""
+    return text[:1].upper() + text[1:]
+
+
+def percent(share: float | None) -> str:
+    """Return a share in per cent, three digits; a dash where there is no number."""
+    if share is None or not math.isfinite(share):
+        return NOTHING
+    return f"{number_words(100 * share, 3)} %"
+
+
+def number_words(value: float | None, digits: int = 4) -> str:
+    """Return a number to read, with `digits` significant digits."""
+    if value is None or math.isnan(value):
+        return NOTHING
+    if math.isinf(value):
+        return "∞" if value > 0 else "−∞"
+    return _typeset(f"{value:.{digits}g}")
+
+
+def with_deviation(value: float, std: float | None) -> str:
+    """Return ``value ± std``, rounded to two digits of the standard deviation."""
+    if std is None or not math.isfinite(std) or not math.isfinite(value):
+        return number_words(value)
+    if std == 0.0:
+        return number_words(value, 6)
+    size = max(abs(value), std)
+    power = math.floor(math.log10(size))
+    if -4 <= power < 6:
+        power = 0
+    places = max(0, 1 - math.floor(math.log10(std / 10.0**power)))
+    texts = (f"{x / 10.0**power:.{places}f}" for x in (value, std))
+    both = " ± ".join(_typeset(text) for text in texts)
+    return f"({both})·10{str(power).translate(_SUPERSCRIPT)}" if power else both
+
+
+def with_unit(text: str, unit: str) -> str:
+    """Return a number's text with its unit, which is left out for pure numbers."""
+    return text if unit in {"", "1"} else f"{text} {unit_words(unit)}"
+
+
+def unit_words(unit: str) -> str:
+    """Return a unit to read: ``N·m/rad``, ``kg·m²``."""
+    text = unit.replace("**", "^").replace("*", "·")
+    for power in ("^-1", "^-2", "^-3", "^2", "^3", "^4"):
+        text = text.replace(power, power[1:].translate(_SUPERSCRIPT))
+    return text
+
+
+def _typeset(text: str) -> str:
+    """Return a printed number with a real minus and powers of ten."""
+    mantissa, _, exponent = text.partition("e")
+    mantissa = mantissa.replace("-", "−")
+    if not exponent:
+        return mantissa
+    return f"{mantissa}·10{str(int(exponent)).translate(_SUPERSCRIPT)}"
