@@ -21,7 +21,7 @@ class Agreement(StrEnum):
 
     REPRODUCED = "reproduced"
     DIFFERS = "differs"
-    NOT_COMPUTABLE = "a value is not printed"
+    NOT_COMPUTABLE = "not computable"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,7 +78,7 @@ def derived(graph: BondGraph) -> tuple[float, float]:
     values = finished.parameters.values_by_name()
     system = linearise(derive(finished))
     transfer_function = system.transfer_function("theta", "T_motor")
-    gain = float(transfer_function.gain.subs(values))
+    gain = transfer_function.gain_at(values)
     # The other pole is the integration from speed to angle, at zero.
     pole = max(abs(pole) for pole in transfer_function.poles(values))
     return gain, pole

@@ -14,7 +14,8 @@ from bondgraph.checking.declaration import (
     read_checks,
 )
 from bondgraph.equations.derivation import derive
-from bondgraph.equations.linear import LinearSystem, TransferFunction, linearise
+from bondgraph.equations.linear import LinearSystem, linearise
+from bondgraph.equations.transfer_function import TransferFunction
 from bondgraph.errors import BondGraphError, CheckError, did_you_mean
 from bondgraph.loading import load_model, load_object
 from bondgraph.structure.graph import FinishedGraph
@@ -135,7 +136,10 @@ def _known(kind: str, name: str, names: list[str]) -> None:
 
 
 def _values(check: Check, graph: FinishedGraph, directory: Path) -> dict[str, float]:
-    """Return the model's parameter values with those that the check gives instead."""
+    """Return the model's parameter values with those that the check gives instead.
+
+    A parameter without a value is left out; it matters only where it is needed.
+    """
     given = check.parameters
     if isinstance(given, str):
         found = load_object(given, directory=directory)
@@ -143,9 +147,11 @@ def _values(check: Check, graph: FinishedGraph, directory: Path) -> dict[str, fl
             raise CheckError(
                 f"{given!r} is not a ParameterSet.", (given,), "Name a ParameterSet."
             )
-        used = found.restricted(graph.parameters)
-        return graph.with_parameters(used).parameters.values_by_name()
-    return graph.with_parameters(given).parameters.values_by_name()
+        graph = graph.with_parameters(found.restricted(graph.parameters).members)
+    else:
+        graph = graph.with_parameters(given)
+    members = graph.parameters.members
+    return {m.name: m.value for m in members if m.value is not None}
 
 
 def _derived(
@@ -153,9 +159,9 @@ def _derived(
 ) -> complex:
     match check.quantity:
         case CheckedQuantity.GAIN:
-            return complex(transfer_function.gain.subs(values))
+            return complex(transfer_function.gain_at(values))
         case CheckedQuantity.DC_GAIN:
-            return complex(transfer_function.dc_gain.subs(values))
+            return _dc_gain(transfer_function, values)
         case CheckedQuantity.POLE:
             return _selected(check.selection, transfer_function.poles(values), "pole")
         case CheckedQuantity.ZERO:
@@ -164,7 +170,20 @@ def _derived(
             assert_never(check.quantity)
 
 
-def _selected(selection: Selection, points: list[complex], kind: str) -> complex:
+def _dc_gain(
+    transfer_function: TransferFunction, values: Mapping[str, float]
+) -> complex:
+    numerator, denominator = transfer_function.coefficients(values)
+    if denominator[-1] == 0:
+        raise CheckError(
+            "the dc gain is infinite: there is a pole at s = 0.",
+            (),
+            "Check the gain or a pole instead.",
+        )
+    return complex(numerator[-1] / denominator[-1])
+
+
+def _selected(selection: Selection, points: tuple[complex, ...], kind: str) -> complex:
     """Return the pole or zero that is meant."""
     ordered = sorted(points, key=lambda point: (abs(point), point.imag))
     if not ordered:
