@@ -21,9 +21,10 @@ When the motor drives, the worm passes on T_mesh of (1 + μ) T_mesh: μ = 0.4 is
 efficiency of 71 %, usual for a worm of 14° lead.
 
 Sensors: the encoder's 14 bits (FlegX thesis, 2.1.3) with 0.03° rms of noise, as the
-maker states for this family of magnetic encoders; 400 Hz (3.4); motor current to
-12 bits over ±10 A with 1 mA rms, as torque by 42.7 mN·m/A (Table 2.1); load torque by
-the knee's strain-gauge sensor, 47.69 N·m/V (eq. 3.22) read to 12 bits over 1.8 V.
+maker states for a sister encoder; 400 Hz (3.4). Motor current to 14 bits over ±10 A
+with 0.5 mA rms, as torque by 42.7 mN·m/A (Table 2.1): chosen, because noise of an input
+is integrated twice and must not outgrow the encoder's. Load torque by the knee's
+strain-gauge sensor, 47.69 N·m/V (eq. 3.22) read to 12 bits over 1.8 V, 5 mN·m rms.
 """
 
 import math
@@ -41,10 +42,10 @@ SUBSTEPS = 20  # internal steps per sampling period
 ENCODER_STEP = 2 * math.pi / 2**14  # rad
 ENCODER_NOISE = math.radians(0.03)  # rad rms
 TORQUE_CONSTANT = 42.7e-3  # N·m/A
-TORQUE_STEP = TORQUE_CONSTANT * 20.0 / 2**12  # N·m
-TORQUE_NOISE = TORQUE_CONSTANT * 1e-3  # N·m rms
+TORQUE_STEP = TORQUE_CONSTANT * 20.0 / 2**14  # N·m
+TORQUE_NOISE = TORQUE_CONSTANT * 0.5e-3  # N·m rms
 LOAD_STEP = 47.69 * 1.8 / 2**12  # N·m
-LOAD_NOISE = 0.01  # N·m rms
+LOAD_NOISE = 0.005  # N·m rms
 WORM_FRICTION = 0.4  # μ
 
 
