@@ -114,7 +114,7 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "diagnosis": diagnosis,
         "verdict": VERDICTS[diagnosis.verdict],
-        "picture": Markup(_picture(diagnosis)),  # noqa: S704  (escapes its names)
+        "picture": Markup(diagnosis_picture(diagnosis)),  # noqa: S704  (escapes its names)
         "units": {m.name: unit_words(m.unit) for m in model.measurements},
         "recordings": _recordings(diagnosis),
         "laws": [(law, _law_chart(law)) for law in diagnosis.recovered],
@@ -125,7 +125,8 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
     }
 
 
-def _picture(diagnosis: Diagnosis) -> str:
+def diagnosis_picture(diagnosis: Diagnosis) -> str:
+    """Return the improved graph as SVG, coloured by blame, the insertions marked."""
     model = diagnosis.model
     inserted = set(model.by_name) - set(diagnosis.model_before.by_name)
     return draw_svg(

@@ -1,0 +1,251 @@
+"""Answers as tables for a terminal.
+
+Every table is returned as text, so that nothing here prints; colour is a choice of the
+caller, and the same words carry the meaning without it. Cells are plain text: a unit
+in brackets or a hostile name is never read as markup.
+"""
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from io import StringIO
+from typing import TextIO
+
+from bondgraph.diagnosis.records import Evidence, Support
+from bondgraph.fitting.result import Estimate
+from bondgraph.recordings.recording import Recording
+from bondgraph.reporting.wording import (
+    NOTHING,
+    number_words,
+    percent,
+    physics_words,
+    sentence_start,
+    unit_words,
+    with_deviation,
+)
+from bondgraph.structure.parameters import (
+    Assumed,
+    Fitted,
+    Measured,
+    Parameter,
+    ParameterSet,
+    Provenance,
+    Published,
+    Reconciled,
+)
+
+_STYLES = {
+    Support.SUPPORTED: "green",
+    Support.UNDECIDED: "yellow",
+    Support.REFUTED: "dim",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CheckRow:
+    """One check to show: what was declared, with which tolerance, and derived."""
+
+    name: str
+    declared: str
+    derived: str
+    tolerance: str
+    ok: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Cell:
+    """Text with a style that adds nothing to its meaning."""
+
+    text: str
+    style: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class _Column:
+    """A heading; numbers are set flush right."""
+
+    heading: str
+    numeric: bool = False
+
+
+def wants_colour(stream: TextIO) -> bool:
+    """Return whether text written to `stream` should be coloured.
+
+    A terminal is, unless ``NO_COLOR`` is set or the terminal calls itself dumb.
+    """
+    refused = bool(os.environ.get("NO_COLOR")) or os.environ.get("TERM") == "dumb"
+    return stream.isatty() and not refused
+
+
+def parameters_table(
+    parameters: ParameterSet, *, colour: bool = False, width: int | None = None
+) -> str:
+    """Return the parameters of a model: value, what is known, and its source."""
+    columns = (
+        _Column("parameter"),
+        _Column("value", numeric=True),
+        _Column("unit"),
+        _Column("source"),
+    )
+    rows = [
+        (
+            _Cell(p.name),
+            _Cell(_value(p)),
+            _Cell(_unit(p.unit)),
+            _Cell(_source(p.source), "dim"),
+        )
+        for p in parameters.members
+    ]
+    return _table(columns, rows, colour=colour, width=width)
+
+
+def estimates_table(
+    estimates: Iterable[Estimate], *, colour: bool = False, width: int | None = None
+) -> str:
+    """Return fitted parameters: where the fit started, and where it ended."""
+    columns = (
+        _Column("parameter"),
+        _Column("start", numeric=True),
+        _Column("estimate", numeric=True),
+        _Column("unit"),
+    )
+    rows = []
+    for one in estimates:
+        blind = one.std is None
+        value = _Cell(with_deviation(one.value, one.std))
+        if blind:
+            value = _Cell(f"{number_words(one.value)} (not identifiable)", "yellow")
+        start = _Cell(number_words(one.start), "dim")
+        rows.append((_Cell(one.name), start, value, _Cell(_unit(one.unit))))
+    return _table(columns, rows, colour=colour, width=width)
+
+
+def candidates_table(
+    candidates: Iterable[Evidence], *, colour: bool = False, width: int | None = None
+) -> str:
+    """Return what a diagnosis considered, with its evidence, in the given order."""
+    columns = (
+        _Column("physics"),
+        _Column("at"),
+        _Column("support"),
+        _Column("gain", numeric=True),
+        _Column("held-out error", numeric=True),
+        _Column("why"),
+    )
+    rows = [
+        (
+            _Cell(sentence_start(physics_words(one.physics))),
+            _Cell(one.place),
+            _Cell(one.support.value, _STYLES[one.support]),
+            _Cell(f"{with_deviation(100 * one.gain, 100 * one.gain_std)} %"),
+            _Cell(percent(one.held_out_nrmse)),
+            _Cell(one.reason, "dim"),
+        )
+        for one in candidates
+    ]
+    return _table(columns, rows, colour=colour, width=width)
+
+
+def checks_table(
+    checks: Iterable[CheckRow], *, colour: bool = False, width: int | None = None
+) -> str:
+    """Return checks, each with the words ``ok`` or ``OFF``."""
+    columns = (
+        _Column(""),
+        _Column("check"),
+        _Column("declared", numeric=True),
+        _Column("tolerance"),
+        _Column("derived", numeric=True),
+    )
+    rows = [
+        (
+            _Cell("ok", "green") if one.ok else _Cell("OFF", "bold red"),
+            _Cell(one.name),
+            _Cell(one.declared),
+            _Cell(one.tolerance, "dim"),
+            _Cell(one.derived, "" if one.ok else "bold red"),
+        )
+        for one in checks
+    ]
+    return _table(columns, rows, colour=colour, width=width)
+
+
+def recordings_table(
+    recordings: Iterable[Recording], *, colour: bool = False, width: int | None = None
+) -> str:
+    """Return recordings: how long, how fast, and what is in them."""
+    columns = (
+        _Column("recording"),
+        _Column("samples", numeric=True),
+        _Column("duration", numeric=True),
+        _Column("step", numeric=True),
+        _Column("channels"),
+    )
+    rows = [
+        (
+            _Cell(one.name),
+            _Cell(str(len(one.time))),
+            _Cell(NOTHING if one.steady else f"{number_words(one.duration)} s"),
+            _Cell(NOTHING if one.steady else f"{number_words(one.step, 3)} s"),
+            _Cell(", ".join(f"{c.name} [{_unit(c.unit)}]" for c in one.channels)),
+        )
+        for one in recordings
+    ]
+    return _table(columns, rows, colour=colour, width=width)
+
+
+def _table(
+    columns: Sequence[_Column],
+    rows: Iterable[Sequence[_Cell]],
+    *,
+    colour: bool,
+    width: int | None,
+) -> str:
+    from rich import box  # noqa: PLC0415  (0.1 s, and only terminals need it)
+    from rich.console import Console  # noqa: PLC0415
+    from rich.table import Table  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    for column in columns:
+        table.add_column(
+            Text(column.heading), justify="right" if column.numeric else "left"
+        )
+    for row in rows:
+        table.add_row(*(Text(cell.text, style=cell.style) for cell in row))
+    console = Console(
+        file=StringIO(),
+        width=width,
+        force_terminal=colour,
+        color_system="standard" if colour else None,
+        legacy_windows=False,
+    )
+    with console.capture() as captured:
+        console.print(table)
+    return "\n".join(line.rstrip() for line in captured.get().splitlines()) + "\n"
+
+
+def _value(parameter: Parameter) -> str:
+    if parameter.value is None:
+        return NOTHING
+    if parameter.exact:
+        return f"{number_words(parameter.value, 6)} (exact)"
+    return with_deviation(parameter.value, parameter.std)
+
+
+def _unit(unit: str) -> str:
+    return NOTHING if unit in {"", "1"} else unit_words(unit)
+
+
+def _source(source: Provenance) -> str:
+    match source:
+        case Assumed(reason):
+            return f"assumed: {reason}" if reason else "assumed"
+        case Measured(recording, method):
+            return ", ".join(part for part in ("measured", recording, method) if part)
+        case Published(reference):
+            return f"published: {reference}"
+        case Fitted(recordings):
+            return f"fitted: {', '.join(recordings)}" if recordings else "fitted"
+        case Reconciled(reason):
+            return f"reconciled: {reason}"
