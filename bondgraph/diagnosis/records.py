@@ -131,6 +131,11 @@ class Diagnosis:
     blame
         For each junction, the share of the base model's error that a missing effort
         (or flow) there could explain; 0 to 1.
+    fit_before, fit_after
+        The base model and the improved one, fitted to the training recordings.
+    fit_all
+        The improved model refitted on all recordings once everything was chosen and
+        shown; the one to use from here.
     model_before, model
         The fitted base model and the improved one (the same when adequate).
     provenance
@@ -149,6 +154,7 @@ class Diagnosis:
     blame: Mapping[str, float]
     fit_before: FitResult
     fit_after: FitResult
+    fit_all: FitResult | None = None
     traces: tuple[Trace, ...] = ()
     recovered: tuple[RecoveredLaw, ...] = ()
     notes: tuple[str, ...] = ()

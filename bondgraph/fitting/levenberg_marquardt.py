@@ -20,6 +20,7 @@ from bondgraph.fitting.problem import (
 Array = NDArray[np.float64]
 RELATIVE_DECREASE = 1e-7
 LARGEST_DAMPING = 1e9
+SETTLED = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,39 +58,45 @@ def settle(
     best = linearise_windows(problem, theta, initial)
     if problem.model.n_states == 0:
         return initial, best
+    nq = len(theta)
     damping = np.full(len(best.cost), 1e-6)
     active = np.isfinite(best.cost)
     for _ in range(iterations):
-        trial = initial.copy()
-        for w in np.flatnonzero(active):
-            hessian = best.initial[w].T @ best.initial[w]
-            hessian = hessian + damping[w] * np.diag(np.diag(hessian))
-            slope = best.initial[w].T @ best.residuals[w]
-            trial[w] += truncated_inverse(hessian) @ slope
+        inverse = truncated_inverse(_damped(best.hessian[:, nq:, nq:], damping))
+        move = np.einsum("wij,wj->wi", inverse, best.slope[:, nq:])
+        trial = np.where(active[:, None], initial + move, initial)
         new = linearise_windows(problem, theta, trial)
         better = active & (new.cost < best.cost)
         gained = np.where(better, best.cost - new.cost, 0.0)
-        best = _choose(better, new, best)
         initial = np.where(better[:, None], trial, initial)
+        best = _choose(problem, better, new, best)
         damping = np.where(better, damping / 10, damping * 100)
-        active &= (gained > 1e-6 * best.cost) | (~better & (damping < 1e2))
+        active &= (gained > SETTLED * best.cost) | (~better & (damping < 1e2))
         if not active.any():
             break
     return initial, best
 
 
+def _damped(hessian: Array, damping: Array | float) -> Array:
+    """Return the matrices with their diagonals raised by the factor 1 + damping."""
+    diagonal = np.einsum("wii->wi", hessian) * np.reshape(damping, (-1, 1))
+    raised: Array = hessian + diagonal[:, :, None] * np.eye(hessian.shape[-1])
+    return raised
+
+
 def _choose(
-    take: NDArray[np.bool_], new: Linearisation, old: Linearisation
+    problem: FitProblem,
+    take: NDArray[np.bool_],
+    new: Linearisation,
+    old: Linearisation,
 ) -> Linearisation:
     """Return, window by window, the new linearisation where `take`, else the old."""
-
-    def pick(a: tuple[Array, ...], b: tuple[Array, ...]) -> tuple[Array, ...]:
-        return tuple(x if t else y for t, x, y in zip(take, a, b, strict=True))
-
+    rows = np.repeat(take, np.diff(problem.shots.edges))
     return Linearisation(
-        pick(new.residuals, old.residuals),
-        pick(new.parameters, old.parameters),
-        pick(new.initial, old.initial),
+        np.where(rows[:, None], new.residuals, old.residuals),
+        np.where(rows[:, None, None], new.jacobian, old.jacobian),
+        np.where(take[:, None, None], new.hessian, old.hessian),
+        np.where(take[:, None], new.slope, old.slope),
         np.where(take, new.cost, old.cost),
     )
 
@@ -145,31 +152,25 @@ def _step(
     """Solve the damped normal equations, eliminating each window's initial state."""
     nq = len(theta)
     prior, weight = prior_residuals(problem, theta)
-    hessian, slope = np.diag(weight**2), weight * prior
-    diagonal = np.zeros(nq)
-    back: list[tuple[Array, Array]] = []
-    for r, jp, jx in zip(at.residuals, at.parameters, at.initial, strict=True):
-        own = jx.T @ jx
-        own = own + damping * np.diag(np.diag(own))
-        inverse = truncated_inverse(own) if len(own) else own
-        cross = jx.T @ jp
-        gain, offset = inverse @ cross, inverse @ (jx.T @ r)
-        full = jp.T @ jp
-        hessian += full - cross.T @ gain
-        diagonal += np.diag(full)
-        slope += jp.T @ r - cross.T @ offset
-        back.append((gain, offset))
-    hessian[np.diag_indices(nq)] += damping * np.maximum(
-        np.diag(hessian), 1e-12 * diagonal
-    )
+    own = at.hessian[:, nq:, nq:]
+    inverse = truncated_inverse(_damped(own, damping))
+    cross = at.hessian[:, nq:, :nq]
+    gain = inverse @ cross
+    offset = np.einsum("wij,wj->wi", inverse, at.slope[:, nq:])
+    full = at.hessian[:, :nq, :nq]
+    hessian = (full - np.swapaxes(cross, 1, 2) @ gain).sum(axis=0)
+    slope = (at.slope[:, :nq] - np.einsum("wij,wi->wj", cross, offset)).sum(axis=0)
+    hessian += np.diag(weight**2)
+    slope += weight * prior
+    diagonal = np.einsum("wii->i", full)
+    reduced = np.maximum(np.diag(hessian), 1e-12 * diagonal)
+    hessian[np.diag_indices(nq)] += damping * reduced
     move = _bounded(problem, hessian, slope, theta)
-    shifts = [offset - gain @ move for gain, offset in back]
-    new_initial = initial + np.array(shifts).reshape(initial.shape)
-    return _Step(theta + move, new_initial)
+    return _Step(theta + move, initial + offset - gain @ move)
 
 
 def _bounded(problem: FitProblem, hessian: Array, slope: Array, theta: Array) -> Array:
-    """Solve for a step that stays within bounds, holding parameters that would leave."""
+    """Solve for a step within bounds, holding parameters that would leave them."""
     low, high = problem.low[problem.free], problem.high[problem.free]
     held = ((theta <= low) & (slope < 0)) | ((theta >= high) & (slope > 0))
     free = np.flatnonzero(~held)

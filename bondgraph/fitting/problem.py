@@ -60,16 +60,21 @@ class FitProblem:
 
 @dataclass(frozen=True, slots=True)
 class Linearisation:
-    """Residuals and their derivatives at one point; one entry per window.
+    """Residuals and the derivatives of the simulation at one point.
 
-    ``cost`` is the sum of squared residuals per window (inf where the simulation
-    failed); ``parameters`` and ``initial`` are the derivatives of the *simulation*
-    (so a step solves ``J step = r``), flattened over samples and outputs.
+    Parameters
+    ----------
+    residuals, jacobian
+        Scaled; (n, ny) and (n, ny, nq + nx), zero where nothing was measured. The
+        derivatives are those of the *simulation*, so a step solves ``J step = r``.
+    hessian, slope, cost
+        JᵀJ, Jᵀr and rᵀr per window; the cost is inf where the simulation failed.
     """
 
-    residuals: tuple[Array, ...]
-    parameters: tuple[Array, ...]
-    initial: tuple[Array, ...]
+    residuals: Array
+    jacobian: Array
+    hessian: Array
+    slope: Array
     cost: Array
 
 
@@ -77,6 +82,8 @@ def linearise_windows(
     problem: FitProblem, theta: Array, initial: Array
 ) -> Linearisation:
     """Simulate all windows with sensitivities and form the weighted residuals."""
+    from bondgraph.numeric.kernel import normal_blocks  # noqa: PLC0415  (loads numba)
+
     shots, model = problem.shots, problem.model
     shot = shoot(
         model,
@@ -87,24 +94,21 @@ def linearise_windows(
         solver=problem.solver,
         hold=problem.hold,
     )
-    nq = len(problem.free)
-    error = (shots.outputs - shot.outputs) / problem.sigma
     measured = np.isfinite(shots.outputs)
-    error = np.where(measured, error, 0.0)
-    slopes = shot.sensitivities / problem.sigma[:, None]
-    slopes = np.where(measured[..., None], slopes, 0.0)
-    cost = np.empty(shots.n_windows)
-    residuals, by_parameter, by_initial = [], [], []
-    for window, part in enumerate(shots.slices):
-        r = error[part].ravel()
-        jacobian = slopes[part].reshape(r.size, -1)
-        fine = shot.completed[window] and bool(np.isfinite(r).all())
-        fine = fine and bool(np.isfinite(jacobian).all())
-        cost[window] = r @ r if fine else np.inf
-        residuals.append(r)
-        by_parameter.append(jacobian[:, :nq])
-        by_initial.append(jacobian[:, nq:])
-    return Linearisation(tuple(residuals), tuple(by_parameter), tuple(by_initial), cost)
+    error = (shots.outputs - shot.outputs) / problem.sigma
+    residuals = np.where(measured, error, 0.0)
+    jacobian = shot.sensitivities / problem.sigma[:, None]
+    if not measured.all():
+        jacobian = np.where(measured[..., None], jacobian, 0.0)
+    windows, nd = shots.n_windows, jacobian.shape[2]
+    hessian, slope = np.zeros((windows, nd, nd)), np.zeros((windows, nd))
+    cost = np.zeros(windows)
+    edges = np.array(shots.edges, dtype=np.int64)
+    normal_blocks(jacobian, residuals, edges, hessian, slope, cost)
+    fine = shot.completed & np.isfinite(cost) & np.isfinite(hessian).all(axis=(1, 2))
+    return Linearisation(
+        residuals, jacobian, hessian, slope, np.where(fine, cost, np.inf)
+    )
 
 
 def prior_residuals(problem: FitProblem, theta: Array) -> tuple[Array, Array]:
@@ -114,15 +118,20 @@ def prior_residuals(problem: FitProblem, theta: Array) -> tuple[Array, Array]:
 
 
 def truncated_inverse(matrix: Array, tolerance: float = 1e-13) -> Array:
-    """Return the pseudo-inverse of a symmetric matrix after scaling its diagonal.
+    """Return the pseudo-inverse of symmetric matrices (…, n, n), diagonals scaled.
 
     Directions whose scaled eigenvalue is below `tolerance` of the largest are left out,
     so that what the data do not determine is not moved.
     """
-    scale = np.sqrt(np.maximum(np.diag(matrix), 0.0))
-    scale[scale == 0.0] = 1.0
-    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
-    keep = values > tolerance * max(values[-1], 1e-300) if len(values) else values > 0
-    inverse = (vectors[:, keep] / values[keep]) @ vectors[:, keep].T
-    result: Array = inverse / np.outer(scale, scale)
+    if matrix.shape[-1] == 0:
+        return matrix
+    diagonal = np.einsum("...ii->...i", matrix)
+    scale = np.sqrt(np.maximum(diagonal, 0.0))
+    scale = np.where(scale == 0.0, 1.0, scale)
+    outer = scale[..., :, None] * scale[..., None, :]
+    values, vectors = np.linalg.eigh(matrix / outer)
+    keep = values > tolerance * np.maximum(values[..., -1:], 1e-300)
+    inverse_values = np.where(keep, 1.0 / np.where(keep, values, 1.0), 0.0)
+    inverse = (vectors * inverse_values[..., None, :]) @ np.swapaxes(vectors, -1, -2)
+    result: Array = inverse / outer
     return result

@@ -41,18 +41,21 @@ def uncertainty(problem: FitProblem, optimum: Optimum) -> Uncertainty:
     """Return what the data say about the free parameters at the optimum."""
     at, nq = optimum.linearisation, len(optimum.theta)
     _, weight = prior_residuals(problem, optimum.theta)
-    data, scores = np.zeros((nq, nq)), []
-    for r, jp, jx in zip(at.residuals, at.parameters, at.initial, strict=True):
-        own = truncated_inverse(jx.T @ jx) if jx.shape[1] else np.zeros((0, 0))
-        projected = jp - jx @ (own @ (jx.T @ jp))
-        data += projected.T @ projected
-        scores.append(projected * r[:, None])
+    own = truncated_inverse(at.hessian[:, nq:, nq:])
+    gain = own @ at.hessian[:, nq:, :nq]
+    windows = np.repeat(np.arange(len(gain)), np.diff(problem.shots.edges))
+    projected = at.jacobian[:, :, :nq] - np.einsum(
+        "njx,nxq->njq", at.jacobian[:, :, nq:], gain[windows]
+    )
+    flat = projected.reshape(-1, nq)
+    data = flat.T @ flat
+    scores = np.einsum("njq,nj->nq", projected, at.residuals)
     hessian = data + np.diag(weight**2)
     null = _null_directions(hessian, optimum.theta)
     inverse = truncated_inverse(hessian, UNIDENTIFIABLE)
-    blocks = np.array_split(np.concatenate(scores), BLOCKS)
+    blocks = np.array_split(scores, BLOCKS)
     totals = np.array([block.sum(axis=0) for block in blocks])
-    variance = _residual_variance(at.residuals, nq)
+    variance = float((at.residuals**2).sum()) / max(at.residuals.size - nq, 1)
     meat = totals.T @ totals * BLOCKS / (BLOCKS - 1) + variance * np.diag(weight**2)
     covariance = inverse @ np.maximum(meat, meat.T) @ inverse
     # White-noise covariance is the floor: few blocks can look better by chance.
@@ -60,11 +63,6 @@ def uncertainty(problem: FitProblem, optimum: Optimum) -> Uncertainty:
     std = np.sqrt(np.maximum(np.diag(covariance), np.diag(floor)))
     involved = np.abs(null).max(axis=0) > 0.05 if len(null) else np.zeros(nq, bool)
     return Uncertainty(covariance, np.where(involved, np.nan, std), null)
-
-
-def _residual_variance(residuals: Sequence[Array], nq: int) -> float:
-    n = sum(r.size for r in residuals)
-    return float(sum(r @ r for r in residuals)) / max(n - nq, 1)
 
 
 def _null_directions(hessian: Array, theta: Array) -> Array:

@@ -178,3 +178,45 @@ def integrate(
             ):  # fmt: skip
                 return row
     return len(time)
+
+
+@compiled
+def integrate_windows(
+    system: System, method: Method, constants: Array, output_constants: Array,
+    parameters: Array, directions: Integers, time: Array, u: Array, x0: Array,
+    results: Results, edges: Integers, first: int, last: int, done: Integers,
+) -> None:  # fmt: skip
+    """Simulate the windows ``first … last - 1``, each from its row of `x0`."""
+    for window in range(first, last):
+        a, b = edges[window], edges[window + 1]
+        some = b if len(results.sensitivities) else 0
+        part = Results(
+            results.outputs[a:b],
+            results.sensitivities[min(a, some) : some],
+            results.states[a:b],
+        )
+        done[window] = integrate(
+            system, method, constants, output_constants, parameters, directions,
+            time[a:b], u[a:b], x0[window], part,
+        )  # fmt: skip
+
+
+@compiled
+def normal_blocks(
+    jacobian: Array, residual: Array, edges: Integers, h: Array, g: Array, cost: Array
+) -> None:
+    """Write JᵀJ, Jᵀr and rᵀr of every window; J is (n, ny, nd), r is (n, ny)."""
+    ny, nd = jacobian.shape[1], jacobian.shape[2]
+    for window in range(len(edges) - 1):
+        for row in range(edges[window], edges[window + 1]):
+            for j in range(ny):
+                r = residual[row, j]
+                cost[window] += r * r
+                for k in range(nd):
+                    slope = jacobian[row, j, k]
+                    g[window, k] += slope * r
+                    for m in range(k + 1):
+                        h[window, k, m] += slope * jacobian[row, j, m]
+        for k in range(nd):
+            for m in range(k):
+                h[window, m, k] = h[window, k, m]

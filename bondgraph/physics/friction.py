@@ -1,7 +1,7 @@
 """Friction at a 1-junction: an effort against the flow.
 
-Dry friction is written smooth, ``tanh(f / f_s)`` with a flow f_s a hundred times below
-the typical one; that flow is a parameter of the inserted element, marked exact.
+Dry friction is written smooth, ``tanh(f / f_s)`` with a flow f_s 300 times below the
+typical one; that flow is a parameter of the inserted element, marked exact.
 """
 
 from collections.abc import Iterator
@@ -26,7 +26,7 @@ from bondgraph.structure.elements import (
 from bondgraph.structure.parameters import Parameter
 from bondgraph.structure.signals import effort
 
-REGULARISATION = 0.01
+REGULARISATION = 1 / 300
 E, F = Quantity.EFFORT, Quantity.FLOW
 
 
@@ -205,7 +205,7 @@ def _loads(place: Place) -> Iterator[str]:
         other = graph.node(bond.other(place.name))
         if isinstance(other, Transformer | Gyrator):
             (outward if bond.tail == place.name else inward).append(bond.name)
-        elif isinstance(other, EffortSource):
+        elif isinstance(other, EffortSource) and other.value is None:
             inward.append(bond.name)
     yield from outward[:1] or inward[:1]
     yield from [*outward[1:], *inward[0 if outward else 1 :]][:1]

@@ -17,6 +17,7 @@ from bondgraph.physics.friction import (
 )
 from bondgraph.physics.hypothesis import AbstractPhysics
 from bondgraph.physics.leakage import ConstantFlow, Leak, SquareRootOrifice
+from bondgraph.physics.unknown import UnknownRelation
 
 LIBRARY: tuple[AbstractPhysics, ...] = (
     ViscousFriction(),
@@ -33,4 +34,5 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     Leak(),
     SquareRootOrifice(),
     ConstantFlow(),
+    UnknownRelation(),
 )

@@ -97,7 +97,11 @@ def shoot(
         Indices of the parameters whose sensitivities are wanted (those to the initial
         states are always added); None for no sensitivities at all.
     """
-    from bondgraph.numeric.kernel import Method, Results, integrate  # noqa: PLC0415
+    from bondgraph.numeric.kernel import (  # noqa: PLC0415
+        Method,
+        Results,
+        integrate_windows,
+    )
     from bondgraph.numeric.stage import System  # noqa: PLC0415  (both load numba)
 
     n, nx, ny = len(shots.time), model.n_states, len(model.output_names)
@@ -106,7 +110,6 @@ def shoot(
     outputs = np.full((n, ny), np.nan)
     states = np.full((n, nx), np.nan)
     sensitivities = np.zeros((n if directions is not None else 0, ny, nd))
-    completed = np.zeros(shots.n_windows, dtype=bool)
     dynamics, output = model.dynamics, model.output
     system = System(
         dynamics=dynamics.code,
@@ -126,15 +129,19 @@ def shoot(
     method = Method(*solver.tableau, solver.substeps, hold is Hold.ZERO)
     values = np.ascontiguousarray(parameters, dtype=np.float64)
 
-    def one(window: int) -> None:
-        part = shots.slices[window]
-        done = integrate(
-            system, method, dynamics.constants, output.constants, values, wanted,
-            shots.time[part], shots.inputs[part], initial[window].copy(),
-            Results(outputs[part], sensitivities[part], states[part]),
-        )  # fmt: skip
-        completed[window] = done == part.stop - part.start
+    edges = np.array(shots.edges, dtype=np.int64)
+    done = np.zeros(shots.n_windows, dtype=np.int64)
+    results = Results(outputs, sensitivities, states)
+    initial = np.ascontiguousarray(initial, dtype=np.float64)
 
+    def some(first: int, last: int) -> None:
+        integrate_windows(
+            system, method, dynamics.constants, output.constants, values, wanted,
+            shots.time, shots.inputs, initial, results, edges, first, last, done,
+        )  # fmt: skip
+
+    share = np.linspace(0, shots.n_windows, THREADS + 1).astype(int).tolist()
     with ThreadPoolExecutor(THREADS) as pool:
-        list(pool.map(one, range(shots.n_windows)))
+        list(pool.map(some, share[:-1], share[1:]))
+    completed = done == np.diff(edges)
     return Shooting(outputs, states, sensitivities, completed)

@@ -1,0 +1,124 @@
+"""Which candidate to believe, if any; calibrated rather than impressive.
+
+A candidate is *supported* when its gain on left-out chunks is significant after the
+number of candidates tried, and material. Among those as good as the best within one
+standard error the simplest wins; the others stay on record as alternatives.
+"""
+
+from dataclasses import dataclass
+
+from bondgraph.diagnosis.candidates import Candidate
+from bondgraph.diagnosis.evidence import Gain, LeftOutErrors, compare
+from bondgraph.diagnosis.records import Support
+
+CURVE = "unknown_relation"
+NAMED_SHARE = 0.8
+"""A named law must give this share of what a free curve gives, or the curve is told."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """The thresholds of a decision.
+
+    Parameters
+    ----------
+    false_alarm_probability
+        Chance, per round, of accepting anything when nothing is missing.
+    materiality
+        Least relative reduction of the squared error that is worth a finding.
+    """
+
+    false_alarm_probability: float = 0.01
+    materiality: float = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A candidate with its left-out errors and what follows from them."""
+
+    candidate: Candidate
+    errors: LeftOutErrors
+    gain: Gain
+    support: Support
+    reason: str
+
+    @property
+    def physics(self) -> str:
+        """The word for the physics."""
+        return self.candidate.hypothesis.physics
+
+    @property
+    def place(self) -> str:
+        """The place."""
+        return self.candidate.hypothesis.place
+
+
+def judge(
+    candidate: Candidate,
+    base: LeftOutErrors,
+    errors: LeftOutErrors,
+    tried: int,
+    rule: Rule,
+) -> Judged:
+    """Return what the left-out chunks say of one candidate among `tried`."""
+    gain = compare(base, errors)
+    corrected = min(gain.p_value * tried, 1.0)
+    enough = gain.value >= rule.materiality
+    sure = corrected <= rule.false_alarm_probability
+    share = f"{100 * gain.value:.1f} ± {100 * gain.std:.1f} %"
+    if enough and sure:
+        support, reason = Support.SUPPORTED, f"reduces the left-out error by {share}"
+    elif gain.value + 2 * gain.std < rule.materiality:
+        support = Support.REFUTED
+        reason = f"changes the left-out error by {share}, too little to matter"
+    elif enough:
+        support = Support.UNDECIDED
+        reason = f"{share} is not significant among {tried} candidates"
+    else:
+        support = Support.UNDECIDED
+        reason = f"{share} could be nothing"
+    return Judged(candidate, errors, gain, support, reason)
+
+
+def best_supported(judged: list[Judged], *, curves: bool = True) -> Judged | None:
+    """Return the simplest supported candidate within one standard error of the best.
+
+    A curve without a name is considered only where `curves`, and chosen only where no
+    named law gives most of what it gives.
+    """
+    supported = [
+        j
+        for j in judged
+        if j.support is Support.SUPPORTED and (curves or j.physics != CURVE)
+    ]
+    if not supported:
+        return None
+    named = [j for j in supported if j.physics != CURVE]
+    best = max(supported, key=lambda j: j.gain.value)
+    if named:
+        best_named = max(named, key=lambda j: j.gain.value)
+        if best_named.gain.value >= NAMED_SHARE * best.gain.value:
+            supported, best = named, best_named
+    close = [j for j in supported if not clearly_better(best, j)]
+    return min(close, key=lambda j: (j.candidate.complexity, -j.gain.value))
+
+
+def clearly_better(better: Judged, worse: Judged, errors: float = 1.0) -> bool:
+    """Return whether `better` beats `worse` by more than `errors` standard errors."""
+    if better is worse:
+        return False
+    difference = compare(worse.errors, better.errors)
+    return difference.value > max(errors * difference.std, 1e-3)
+
+
+def alternatives_to(chosen: Judged, judged: list[Judged]) -> tuple[Judged, ...]:
+    """Return supported candidates that the data do not tell from the chosen one."""
+    close = [
+        j
+        for j in judged
+        if j is not chosen
+        and j.support is Support.SUPPORTED
+        and not clearly_better(chosen, j, errors=2.0)
+        and j.physics != CURVE
+    ]
+    return tuple(sorted(close, key=lambda j: -j.gain.value))

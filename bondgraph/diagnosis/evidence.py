@@ -1,0 +1,108 @@
+"""Evidence: a candidate is judged on training data that it was not fitted to.
+
+The training samples are dealt into chunks; each fold leaves every K-th chunk out, the
+models are refitted without it, and the squared errors there are compared chunk by
+chunk. Chunks are the units of the statistics, so coloured residuals cost nothing but
+power, and the number of candidates tried enters as a Bonferroni factor.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.fitting.levenberg_marquardt import minimise, settle
+from bondgraph.fitting.problem import FitProblem, linearise_windows
+
+Array = NDArray[np.float64]
+CHUNKS = 24
+FOLDS = 4
+FOLD_ITERATIONS = 12
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOutErrors:
+    """Sum of squared, scaled errors on each chunk, by a model not fitted to it."""
+
+    chunks: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Gain:
+    """Relative reduction of the squared error on left-out chunks, with its error.
+
+    ``p_value`` is one-sided, for the hypothesis that there is no reduction.
+    """
+
+    value: float
+    std: float
+    p_value: float
+
+
+def chunk_labels(problem: FitProblem) -> NDArray[np.int64]:
+    """Return for each sample the number of its chunk.
+
+    Where there are many windows a chunk is a run of whole windows.
+    """
+    shots = problem.shots
+    n = len(shots.time)
+    if shots.n_windows >= 2 * CHUNKS:
+        sizes = [part.stop - part.start for part in shots.slices]
+        of_window = np.arange(shots.n_windows) * CHUNKS // shots.n_windows
+        return np.repeat(of_window, sizes)
+    return np.arange(n, dtype=np.int64) * CHUNKS // n
+
+
+def left_out_errors(fitted: FittedModel) -> LeftOutErrors:
+    """Refit without each fold in turn and return the errors on what was left out."""
+    problem = fitted.problem
+    labels = chunk_labels(problem)
+    totals = np.zeros(CHUNKS)
+    for fold in range(FOLDS):
+        test = labels % FOLDS == fold
+        squared = _fold_errors(fitted, test)
+        totals += np.bincount(labels, weights=squared * test, minlength=CHUNKS)
+    return LeftOutErrors(totals)
+
+
+def _fold_errors(fitted: FittedModel, test: NDArray[np.bool_]) -> Array:
+    """Return the squared error per sample of a fit to the samples not in `test`."""
+    problem, optimum = fitted.problem, fitted.optimum
+    masked = np.where(test[:, None], np.nan, problem.shots.outputs)
+    training = replace(problem, shots=replace(problem.shots, outputs=masked))
+    found = minimise(
+        training, optimum.theta, optimum.initial, iterations=FOLD_ITERATIONS
+    )
+    initial = _settle_unseen(problem, found.theta, found.initial, test)
+    at = linearise_windows(problem, found.theta, initial)
+    squared: Array = (at.residuals**2).sum(axis=1)
+    return np.where(np.isfinite(squared), squared, 1e12)
+
+
+def _settle_unseen(
+    problem: FitProblem, theta: Array, initial: Array, test: NDArray[np.bool_]
+) -> Array:
+    """Give windows that lie wholly in the test set initial states of their own."""
+    unseen = np.array([bool(test[part].all()) for part in problem.shots.slices])
+    if not unseen.any() or problem.model.n_states == 0:
+        return initial
+    settled, _ = settle(problem, theta, initial)
+    return np.where(unseen[:, None], settled, initial)
+
+
+def compare(before: LeftOutErrors, after: LeftOutErrors) -> Gain:
+    """Return how much smaller the error is `after`, with its jackknife error."""
+    b, a = before.chunks, after.chunks
+    total = b.sum()
+    if total <= 0.0:
+        return Gain(0.0, 0.0, 1.0)
+    value = 1.0 - a.sum() / total
+    leave_one = 1.0 - (a.sum() - a) / np.maximum(total - b, 1e-300)
+    n = len(b)
+    std = float(np.sqrt((n - 1) / n * ((leave_one - leave_one.mean()) ** 2).sum()))
+    if std == 0.0:
+        return Gain(float(value), 0.0, 0.0 if value > 0 else 1.0)
+    p_value = float(stats.t.sf(value / std, n - 1))
+    return Gain(float(value), std, p_value)

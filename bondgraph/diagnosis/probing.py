@@ -1,0 +1,195 @@
+"""What happens at each place: signals of the fitted base model, read with probes.
+
+A probe is a measurement added to a copy of the graph; it changes no equation. Typical
+sizes scale the start values of hypotheses; the signals are the abscissae of recovered
+laws.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.equations.derivation import derive
+from bondgraph.equations.state_equations import State
+from bondgraph.fitting.estimate import FittedModel, pose, prepare
+from bondgraph.fitting.horizon import Horizon, cut
+from bondgraph.fitting.levenberg_marquardt import settle
+from bondgraph.fitting.problem import truncated_inverse
+from bondgraph.numeric.model import compile_model
+from bondgraph.physics.hypothesis import Scales
+from bondgraph.recordings.binding import BoundRecording
+from bondgraph.simulation.shooting import Shots, shoot
+from bondgraph.structure.domains import Quantity
+from bondgraph.structure.edits import InsertElement
+from bondgraph.structure.elements import (
+    EffortSource,
+    FlowSource,
+    Junction,
+    OneJunction,
+)
+from bondgraph.structure.graph import FinishedGraph, Measurement
+from bondgraph.structure.parameters import Parameter
+from bondgraph.structure.signals import Signal, displacement, parameter_symbol
+
+Array = NDArray[np.float64]
+VIRTUAL = "virtual_source"
+
+
+def common_signal(junction: Junction) -> Signal:
+    """Return the variable that the bonds of a junction share."""
+    if isinstance(junction, OneJunction):
+        return Signal(Quantity.FLOW, junction.name)
+    return Signal(Quantity.EFFORT, junction.name)
+
+
+def _probes(graph: FinishedGraph) -> tuple[Signal, ...]:
+    """Return the signals to read: common variables, and what the bonds carry."""
+    own = [common_signal(junction) for junction in graph.junctions]
+    for junction in graph.junctions:
+        other = Quantity.EFFORT if isinstance(junction, OneJunction) else Quantity.FLOW
+        own += [Signal(other, bond.name) for bond in graph.bonds_at(junction.name)]
+    read = {
+        signal
+        for measurement in graph.measurements
+        for signal in measurement.expression.free_symbols
+        if isinstance(signal, Signal) and signal.quantity is Quantity.DISPLACEMENT
+    }
+    unique = dict.fromkeys([*own, *sorted(read, key=lambda signal: signal.name)])
+    return tuple(unique)
+
+
+def probe(fitted: FittedModel, signals: Sequence[Signal]) -> dict[Signal, Array]:
+    """Return the samples of `signals` in the fitted model's simulation."""
+    graph = replace(
+        fitted.graph,
+        measurements=(
+            *fitted.graph.measurements,
+            *(Measurement(f"probe_{i}", s, "1") for i, s in enumerate(signals)),
+        ),
+    )
+    problem, shots = fitted.problem, fitted.problem.shots
+    padded = Shots(
+        shots.time,
+        shots.inputs,
+        np.zeros((len(shots.time), len(graph.measurements))),
+        shots.edges,
+    )
+    shot = shoot(
+        prepare(graph),
+        padded,
+        parameters=fitted.parameters,
+        initial=fitted.optimum.initial,
+        directions=None,
+        solver=problem.solver,
+        hold=problem.hold,
+    )
+    values = shot.outputs[:, len(fitted.graph.measurements) :]
+    return {signal: values[:, i] for i, signal in enumerate(signals)}
+
+
+def measure_scales(fitted: FittedModel) -> Scales:
+    """Return the typical sizes of the signals at every place."""
+    sizes = {
+        signal.name: float(np.sqrt(np.nanmean(values**2)))
+        for signal, values in probe(fitted, _probes(fitted.graph)).items()
+    }
+    graph = fitted.graph
+    for junction in graph.junctions:
+        quantity = (
+            Quantity.EFFORT if isinstance(junction, OneJunction) else Quantity.FLOW
+        )
+        bonds = [f"{quantity}({b.name})" for b in graph.bonds_at(junction.name)]
+        sizes[f"{quantity}({junction.name})"] = max(sizes[bond] for bond in bonds)
+    return Scales(sizes)
+
+
+@dataclass(frozen=True, slots=True)
+class RecoveredSignal:
+    """The missing effort (1-junction) or flow (0-junction) at one place.
+
+    One value per window, positive into the junction, with the window's mean of the
+    local variables; ``explained`` is the share of the squared error it removes.
+    """
+
+    place: str
+    value: Array
+    std: Array
+    local: dict[str, Array]
+    explained: float
+
+
+def recover(
+    fitted: FittedModel,
+    place: str,
+    recordings: Sequence[BoundRecording],
+    horizon: Horizon,
+) -> RecoveredSignal:
+    """Return the signal that a virtual source at `place` must give, window by window.
+
+    The source is a state with rate zero whose initial value is estimated together with
+    the other initial states, at the fitted parameters.
+    """
+    shots = cut(recordings, horizon)
+    graph = fitted.graph
+    junction = next(j for j in graph.junctions if j.name == place)
+    kind = EffortSource if isinstance(junction, OneJunction) else FlowSource
+    symbol = parameter_symbol(f"{VIRTUAL}_value")
+    edit = InsertElement(
+        place, kind(VIRTUAL, value=symbol), (Parameter(name=symbol.name, value=0.0),)
+    )
+    virtual = edit.apply(graph)
+    equations = derive(virtual)
+    rate = parameter_symbol(f"{VIRTUAL}_rate")
+    unknown = replace(
+        equations,
+        states=(*equations.states, State(symbol, rate, place, "1")),
+        rates=(*equations.rates, rate * 0),
+        parameters=tuple(p for p in equations.parameters if p != symbol),
+    )
+    plain = pose(graph, fitted.problem.model, shots, fitted.settings)
+    plain = replace(plain, sigma=fitted.problem.sigma, start=fitted.parameters)
+    nx, nq = plain.model.n_states, len(plain.free)
+    origin = np.zeros((shots.n_windows, nx))
+    states, before = settle(plain, plain.start[plain.free], origin)
+    freed = replace(plain, model=compile_model(unknown))
+    initial = np.column_stack([states, np.zeros(shots.n_windows)])
+    settled, after = settle(freed, freed.start[freed.free], initial)
+    value = settled[:, -1]
+    return RecoveredSignal(
+        place=place,
+        value=value,
+        std=_value_std(after.hessian[:, nq:, nq:], after.cost, shots.edges),
+        local=_local_means(fitted, junction, shots, states),
+        explained=float(1.0 - after.cost.sum() / before.cost.sum()),
+    )
+
+
+def _value_std(hessian: Array, cost: Array, edges: Sequence[int]) -> Array:
+    """Return the standard deviation of the virtual value in each window."""
+    spare = np.maximum(np.diff(edges) - hessian.shape[-1], 1)
+    variance = truncated_inverse(hessian)[:, -1, -1]
+    std: Array = np.sqrt(np.maximum(variance, 0.0) * cost / spare)
+    return std
+
+
+def _local_means(
+    fitted: FittedModel, junction: Junction, shots: Shots, states: Array
+) -> dict[str, Array]:
+    """Return window means of the local variables, by quantity."""
+    own = common_signal(junction)
+    wanted = {own.quantity.value: own}
+    position = displacement(junction.name)
+    if any(m.expression.has(position) for m in fitted.graph.measurements):
+        wanted[Quantity.DISPLACEMENT.value] = position
+    moved = replace(
+        fitted,
+        problem=replace(fitted.problem, shots=shots),
+        optimum=replace(fitted.optimum, initial=states),
+    )
+    signals = probe(moved, tuple(wanted.values()))
+    return {
+        name: np.array([signals[signal][part].mean() for part in shots.slices])
+        for name, signal in wanted.items()
+    }

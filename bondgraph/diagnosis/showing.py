@@ -1,0 +1,173 @@
+"""To show, not to choose: whole-recording simulations, traces and the recovered law."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.diagnosis.candidates import Candidate
+from bondgraph.diagnosis.probing import common_signal, probe, recover
+from bondgraph.diagnosis.records import RecoveredLaw, Trace
+from bondgraph.fitting.estimate import FittedModel, pose, score
+from bondgraph.fitting.horizon import Horizon, WholeRecordings, Windows, cut
+from bondgraph.fitting.levenberg_marquardt import settle
+from bondgraph.fitting.result import Score
+from bondgraph.recordings.binding import BoundRecording
+from bondgraph.structure.domains import Quantity
+from bondgraph.structure.elements import OneJunction
+from bondgraph.structure.signals import Signal
+
+Array = NDArray[np.float64]
+CLOUD_POINTS = 200
+
+
+@dataclass(frozen=True, slots=True)
+class WholeSimulation:
+    """A model run through recordings, each from one estimated initial state.
+
+    ``outputs`` is (n, ny) over all samples kept; ``whole`` is False where the model is
+    so unstable that windows were used instead.
+    """
+
+    score: Score
+    time: Array
+    measured: Array
+    outputs: Array
+    edges: tuple[int, ...]
+    whole: bool
+
+
+def simulate_whole(
+    fitted: FittedModel, recordings: Sequence[BoundRecording]
+) -> WholeSimulation:
+    """Simulate whole recordings with the fitted parameters."""
+    simulated = _simulate(fitted, recordings, WholeRecordings())
+    if np.isfinite(simulated.outputs).all():
+        return simulated
+    return replace(_simulate(fitted, recordings, fitted.horizon), whole=False)
+
+
+def _simulate(
+    fitted: FittedModel, recordings: Sequence[BoundRecording], horizon: Horizon
+) -> WholeSimulation:
+    shots = cut(recordings, horizon)
+    old = fitted.problem
+    problem = pose(fitted.graph, old.model, shots, fitted.settings, old.sigma)
+    problem = replace(problem, start=fitted.parameters)
+    initial = np.zeros((shots.n_windows, old.model.n_states))
+    _, at = settle(problem, problem.start[problem.free], initial, iterations=25)
+    residuals = at.residuals * old.sigma
+    residuals = np.where(np.isfinite(shots.outputs), residuals, np.nan)
+    return WholeSimulation(
+        score=score(old.model, shots, residuals),
+        time=shots.time,
+        measured=shots.outputs,
+        outputs=shots.outputs - residuals,
+        edges=shots.edges,
+        whole=True,
+    )
+
+
+def traces(
+    base: FittedModel, final: FittedModel, recordings: Sequence[BoundRecording]
+) -> tuple[Trace, ...]:
+    """Return every output of every recording: measured, before and after."""
+    found = []
+    model = base.problem.model
+    for recording in recordings:
+        before = simulate_whole(base, [recording])
+        after = simulate_whole(final, [recording])
+        for i, channel in enumerate(model.output_names):
+            found.append(
+                Trace(
+                    recording=recording.name,
+                    channel=channel,
+                    unit=model.output_units[i],
+                    time=before.time,
+                    measured=before.measured[:, i],
+                    before=before.outputs[:, i],
+                    after=after.outputs[:, i],
+                )
+            )
+    return tuple(found)
+
+
+def recovered_law(
+    base: FittedModel,
+    candidate: Candidate,
+    final: FittedModel,
+    recordings: Sequence[BoundRecording],
+) -> RecoveredLaw | None:
+    """Return the recovered signal at the candidate's place against what it depends on.
+
+    The signal is recovered with the *final* model's parameters and the candidate's
+    element taken out again, so that the cloud shows the law and not the bias that its
+    absence put into other parameters. None where the model has no time.
+    """
+    hypothesis = candidate.hypothesis
+    if base.problem.model.n_states == 0 or not hypothesis.depends_on:
+        return None
+    values = final.values
+    graph = base.graph.with_parameters(
+        {name: values[name] for name in base.graph.parameters if name in values}
+    )
+    start = np.array([values[name] for name in base.problem.model.parameter_names])
+    without = replace(
+        base,
+        graph=graph,
+        problem=replace(base.problem, start=start),
+        optimum=replace(base.optimum, theta=start[base.problem.free]),
+    )
+    signal = recover(without, hypothesis.place, recordings, _cloud_windows(recordings))
+    argument = (
+        Quantity.DISPLACEMENT.value
+        if "displacement" in hypothesis.depends_on
+        else common_signal(_junction(base, hypothesis.place)).quantity.value
+    )
+    if argument not in signal.local:
+        return None
+    x, y = signal.local[argument], -signal.value
+    curve_x, curve_y = _curve(final, candidate, argument)
+    domain = base.graph.domain_at(hypothesis.place)
+    is_one = isinstance(_junction(base, hypothesis.place), OneJunction)
+    answer = Quantity.EFFORT if is_one else Quantity.FLOW
+    return RecoveredLaw(
+        place=hypothesis.place,
+        argument_name=domain.word(Quantity(argument)),
+        argument_unit=domain.unit(Quantity(argument)),
+        value_name=domain.word(answer),
+        value_unit=domain.unit(answer),
+        argument=x,
+        value=y,
+        curve_argument=curve_x,
+        curve_value=curve_y,
+    )
+
+
+def _junction(fitted: FittedModel, place: str):  # type: ignore[no-untyped-def]
+    return next(j for j in fitted.graph.junctions if j.name == place)
+
+
+def _cloud_windows(recordings: Sequence[BoundRecording]) -> Windows:
+    samples = sum(len(recording) for recording in recordings) // CLOUD_POINTS
+    return Windows(max(samples, 12))
+
+
+def _curve(
+    final: FittedModel, candidate: Candidate, argument: str
+) -> tuple[Array, Array]:
+    """Return the law along the simulated motion of the final model, sorted."""
+    hypothesis = candidate.hypothesis
+    junction = _junction(final, hypothesis.place)
+    own = (
+        common_signal(junction)
+        if argument != Quantity.DISPLACEMENT.value
+        else Signal(Quantity.DISPLACEMENT, hypothesis.element)
+    )
+    is_one = isinstance(junction, OneJunction)
+    answer = Signal(Quantity.EFFORT if is_one else Quantity.FLOW, hypothesis.element)
+    read = probe(final, (own, answer))
+    order = np.argsort(read[own])
+    chosen = order[:: max(len(order) // 400, 1)]
+    return read[own][chosen], read[answer][chosen]

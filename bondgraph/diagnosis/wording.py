@@ -1,0 +1,143 @@
+"""The sentences of a diagnosis, in the words of the field."""
+
+from collections.abc import Mapping, Sequence
+
+from bondgraph.diagnosis.decision import Judged
+from bondgraph.diagnosis.records import Finding
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.fitting.result import Estimate
+
+NAMES = {
+    "coulomb_friction": "Coulomb (dry) friction",
+    "stribeck_friction": "Stribeck friction",
+    "load_dependent_friction": "load-dependent friction",
+    "direction_dependent_friction": "direction-dependent friction",
+    "viscous_friction": "viscous friction",
+    "quadratic_drag": "quadratic drag",
+    "constant_bias": "a constant bias",
+    "gravity": "gravity",
+    "spring": "a spring",
+    "hardening_spring": "a hardening spring",
+    "added_inertia": "added inertia",
+    "leak": "a leak",
+    "square_root_orifice": "a square-root orifice",
+    "unknown_relation": "a relation without a name",
+}
+
+
+def name_of(physics: str) -> str:
+    """Return how a sentence calls `physics`."""
+    return NAMES.get(physics, physics.replace("_", " "))
+
+
+def value_with_error(estimate: Estimate) -> str:
+    """Return ``value ± std unit`` with as many digits as the error allows."""
+    unit = "" if estimate.unit == "1" else f" {estimate.unit}"
+    if estimate.std is None:
+        return f"{estimate.value:.4g}{unit} (not determined by these recordings)"
+    return f"{estimate.value:.4g} ± {estimate.std:.2g}{unit}"
+
+
+def finding_statement(
+    chosen: Judged,
+    places: Sequence[str],
+    others: Sequence[Judged],
+    estimates: Sequence[Estimate],
+) -> str:
+    """Return what was left out, where, how much, and what it may be instead."""
+    hypothesis = chosen.candidate.hypothesis
+    numbers = ", ".join(
+        f"{estimate.name} = {value_with_error(estimate)}" for estimate in estimates
+    )
+    if chosen.physics == "unknown_relation":
+        opening = (
+            f"A relation is missing at {chosen.place} that has no name here: "
+            f"{hypothesis.words}; the curve shows it."
+        )
+        numbers = ""
+    else:
+        opening = (
+            f"{_capital(name_of(chosen.physics))} at {chosen.place} was left out: "
+            f"{hypothesis.words}"
+        )
+    text = opening if not numbers else f"{opening} ({numbers})."
+    if places:
+        text += f" These recordings do not tell {chosen.place} from {_or(places)}."
+    other_laws = dict.fromkeys(
+        name_of(j.physics) for j in others if j.physics != chosen.physics
+    )
+    if other_laws:
+        text += f" It cannot be told apart here from {_or(tuple(other_laws))}."
+    return text
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _or(names: Sequence[str]) -> str:
+    if len(names) == 1:
+        return names[0]
+    return f"{', '.join(names[:-1])} or {names[-1]}"
+
+
+def next_experiment(
+    findings: Sequence[Finding],
+    others: Mapping[str, Sequence[Judged]],
+    base: FittedModel,
+) -> str:
+    """Return the experiment that would separate what could not be told apart."""
+    advice: list[str] = []
+    for finding in findings:
+        close = others.get(finding.element, ())
+        advice += _separate_laws(finding, close)
+        if finding.indistinguishable_places:
+            places = " and ".join((finding.place, *finding.indistinguishable_places))
+            effort = base.graph.domain_at(finding.place).effort
+            advice.append(
+                f"To tell {places} apart, measure the {effort} on a bond between them; "
+                "no motion sensor can while they move together."
+            )
+    return " ".join(dict.fromkeys(advice))
+
+
+def _separate_laws(finding: Finding, close: Sequence[Judged]) -> list[str]:
+    words = {finding.physics, *(j.physics for j in close)}
+    advice = []
+    if "load_dependent_friction" in words and len(words) > 1:
+        loads = dict.fromkeys(
+            variable
+            for j in close
+            for variable in j.candidate.hypothesis.depends_on
+            if variable.startswith("effort(")
+        )
+        what = f" ({', '.join(loads)})" if loads else ""
+        advice.append(
+            f"Repeat the recording with a different load{what}, at least doubled: "
+            "friction that grows with the load changes in proportion, constant and "
+            "direction-dependent friction do not."
+        )
+    if "stribeck_friction" in words and len(words) > 1:
+        advice.append(
+            "Record slow motion through zero speed, below a tenth of the speeds seen "
+            "so far: only Stribeck friction rises there."
+        )
+    if {"quadratic_drag", "viscous_friction"} & words and len(words) > 1:
+        advice.append(
+            "Record at twice the speed: linear, quadratic and constant laws part there."
+        )
+    if {"spring", "hardening_spring", "gravity"} & words and len(words) > 1:
+        advice.append("Record over a larger range of displacement.")
+    if not advice and len(words) > 1:
+        advice.append(
+            "Record a larger range of the variables these laws depend on: "
+            + ", ".join(
+                dict.fromkeys(
+                    variable
+                    for j in close
+                    for variable in j.candidate.hypothesis.depends_on
+                )
+            )
+            + "."
+        )
+    return advice
