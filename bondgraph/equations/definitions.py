@@ -28,7 +28,7 @@ from bondgraph.structure.elements import (
     ZeroJunction,
     letter,
 )
-from bondgraph.structure.graph import FinishedGraph
+from bondgraph.structure.graph import FinishedGraph, is_one_port
 from bondgraph.structure.signals import Signal, parameter_symbol, signals_in
 
 
@@ -183,14 +183,19 @@ class Definitions:
         if wire in self._providers:
             name, sign = self._providers[wire]
             return sign * self.stored(name)
+        # A one-port's own wire is integrated in the one-port's convention, so that
+        # turning its arrow leaves the state as it is.
+        label = self.wires.label[wire]
+        sign = 1
+        if label in self.wires.nodes and is_one_port(self.wires.nodes[label]):
+            sign = self.wires.read(quantity, label)[1]
         if wire not in self._integrators:
             is_momentum = quantity is Quantity.MOMENTUM
-            label = self.wires.label[wire]
             symbol = self.names.symbol(f"{'p' if is_momentum else 'q'}_{label}")
             wires = self.wires.effort if is_momentum else self.wires.flow
             self._integrators[wire] = symbol
-            self._add_state(symbol, label, wires.index(wire), is_momentum, wire)
-        return self._integrators[wire]
+            self._add_state(symbol, label, wires.index(wire), is_momentum, sign * wire)
+        return sign * self._integrators[wire]
 
     def in_wires(self, expression: sympy.Expr) -> sympy.Expr:
         """Return `expression` with its signals replaced by wires and states."""

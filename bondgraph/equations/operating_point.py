@@ -52,7 +52,7 @@ class OperatingPoint:
         """Return `partial` at the operating point, in terms of parameters."""
         if partial.is_Number or partial.free_symbols <= self._free:
             return partial
-        value = self._evaluated(partial)
+        value = self._evaluated(partial).replace(sympy.DiracDelta, _spike)
         if value.has(*_UNDEFINED):
             raise EquationError(
                 f"{self._equations.name!r} has no linear form at this operating point: "
@@ -126,3 +126,8 @@ class OperatingPoint:
         solution = replaced(self._reduced.solutions[symbol], rates)
         self._values[symbol] = replaced(solution, self._values)
         return True
+
+
+def _spike(argument: sympy.Expr) -> sympy.Expr:
+    """Return the slope of a step away from it (zero), or the step's own."""
+    return sympy.DiracDelta(argument) if argument == 0 else sympy.S.Zero

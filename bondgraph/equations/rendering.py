@@ -1,0 +1,138 @@
+"""State equations for reading: as text and as LaTeX.
+
+Both show the sorted form; the reduced form ``M ẋ = f`` follows where it is short.
+"""
+
+from collections.abc import Iterable
+
+import sympy
+
+from bondgraph.equations.reduction import ReducedEquations, reduce
+from bondgraph.equations.state_equations import StateEquations
+from bondgraph.errors import EquationError
+
+SHORT = 12  # states up to which inserted equations are worth reading
+
+
+def as_text(equations: StateEquations) -> str:
+    """Return the equations as plain text, one per line."""
+    lines = [equations.name, ""]
+    lines += _section("states", (_described(equations, i) for i in _all(equations)))
+    lines += _section(
+        "inputs",
+        (
+            f"{symbol} [{unit}]"
+            for symbol, unit in zip(
+                equations.inputs, equations.input_units, strict=True
+            )
+        ),
+    )
+    lines += _section(
+        "assignments",
+        (f"{a.symbol} = {a.expression}" for a in equations.assignments),
+    )
+    lines += _section(
+        "rates",
+        (
+            f"d({state.symbol})/dt = {rate}"
+            for state, rate in zip(equations.states, equations.rates, strict=True)
+        ),
+    )
+    lines += _section(
+        "implicit",
+        (
+            f"0 = {residual}   ({reason})"
+            for residual, reason in zip(
+                equations.residuals, equations.reasons, strict=True
+            )
+        ),
+    )
+    lines += _section(
+        "outputs", (f"{o.name} [{o.unit}] = {o.expression}" for o in equations.outputs)
+    )
+    if len(equations.states) <= SHORT:
+        lines += _section("reduced", _reduced_lines(equations, reduce(equations)))
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _all(equations: StateEquations) -> range:
+    return range(len(equations.states))
+
+
+def _described(equations: StateEquations, i: int) -> str:
+    state = equations.states[i]
+    return f"{state.symbol} [{state.unit}] at {state.place}"
+
+
+def _section(title: str, lines: Iterable[str]) -> list[str]:
+    found = [f"  {line}" for line in lines]
+    return [title, *found, ""] if found else []
+
+
+def _reduced_lines(equations: StateEquations, reduced: ReducedEquations) -> list[str]:
+    return [
+        f"{left} = {right}" for left, right in _sides(equations, reduced, "d({})/dt")
+    ]
+
+
+def _sides(
+    equations: StateEquations, reduced: ReducedEquations, rate_form: str
+) -> list[tuple[str, sympy.Expr]]:
+    """Return the left side (as text) and right side of every reduced equation."""
+    names = {
+        state.rate: sympy.Symbol(rate_form.format(state.symbol))
+        for state in equations.states
+    }
+    rates = [state.rate for state in equations.states]
+    sides = []
+    for i, force in enumerate(reduced.forces):
+        row = [(j, value) for (k, j), value in reduced.mass.todok().items() if k == i]
+        left = sympy.Add(*(value * rates[j] for j, value in sorted(row)))
+        sides.append((str(left.xreplace(names)), force))
+    return sides
+
+
+def as_latex(equations: StateEquations) -> str:
+    r"""Return the reduced equations as a LaTeX ``aligned`` block.
+
+    Where there are too many states for that, the sorted assignments and rates.
+
+    Raises
+    ------
+    EquationError
+        If there is nothing to write.
+    """
+    names = {
+        state.rate: sympy.Symbol(rf"\dot{{{sympy.latex(state.symbol)}}}")
+        for state in equations.states
+    }
+    outputs = [(sympy.Symbol(o.name), o.expression) for o in equations.outputs]
+    pairs: list[tuple[sympy.Expr, sympy.Expr]] = []
+    if len(equations.states) <= SHORT:
+        reduced = reduce(equations)
+        rates = [state.rate for state in equations.states]
+        for i, force in enumerate(reduced.forces):
+            row = reduced.mass.row(i).todok()
+            left = sympy.Add(*(value * rates[j] for (_, j), value in row.items()))
+            pairs.append((left, force))
+        pairs += [(sympy.S.Zero, residual) for residual in reduced.residuals]
+        outputs = [(sympy.Symbol(o.name), o.expression) for o in reduced.outputs]
+    else:
+        pairs += [(a.symbol, a.expression) for a in equations.assignments]
+        pairs += [
+            (state.rate, rate)
+            for state, rate in zip(equations.states, equations.rates, strict=True)
+        ]
+        pairs += [(sympy.S.Zero, residual) for residual in equations.residuals]
+    pairs += outputs
+    if not pairs:
+        raise EquationError(
+            f"{equations.name!r} has neither states nor outputs to write.",
+            (equations.name,),
+            "Add a measurement with measure(...).",
+        )
+    lines = [
+        f"{sympy.latex(left.xreplace(names))} &= {sympy.latex(right.xreplace(names))}"
+        for left, right in pairs
+    ]
+    return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
