@@ -16,6 +16,7 @@ from bondgraph.reporting.layout import Box
 from bondgraph.structure.builder import BondGraph
 from bondgraph.structure.elements import GY, TF, C, I, R, Se, Sf
 from bondgraph.structure.graph import FinishedGraph
+from flegx_models.models import lowerleg_stance, upperleg_stance
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -74,6 +75,8 @@ GRAPHS = [
     leg("upperleg"),
     leg("lowerleg", stance=True),
     leg("upperleg", stance=True),
+    lowerleg_stance().finish(),
+    upperleg_stance().finish(),
     ring(),
     *(random_graph(seed) for seed in range(12)),
 ]

@@ -253,7 +253,7 @@ def _legend(layout: Layout, coloured: bool, marked: bool) -> list[str]:
         x += 8 + text_width("0 to 100 % of the error could arise there", SMALL_SIZE)
         x += 24
     if marked:
-        parts.append(_rectangle(Box(x + 12, y, 24, 14), "mark"))
+        parts.append(_rectangle(Box(x + 12, y, 24, 14), "mark", corner=4))
         parts.append(_note(x + 32, y, "inserted"))
     return parts
 

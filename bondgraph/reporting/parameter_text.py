@@ -1,6 +1,7 @@
 """Parameters and their sources as the Python text that declares them."""
 
 import math
+import textwrap
 from collections.abc import Iterator
 
 from bondgraph.reporting.python_expressions import INDENT, call, number, quoted
@@ -21,9 +22,9 @@ def parameter_lines(graph: FinishedGraph) -> Iterator[str]:
     written = written_parameters(graph)
     if any(p.rounding is not None for p in written):
         # Only whole Parameter objects carry the rounding of a printed value.
-        made = (call("Parameter", _keywords(p)) for p in written)
-        inner = f",\n{INDENT}".join(made)
-        yield f"graph.take(ParameterSet((\n{INDENT}{inner},\n)))"
+        made = (call("Parameter", _keywords(p), depth=2) for p in written)
+        inner = textwrap.indent(",\n".join(made), INDENT)
+        yield f"graph.take(ParameterSet((\n{inner},\n)))"
         return
     for parameter in written:
         yield call("graph.parameter", _arguments(parameter))

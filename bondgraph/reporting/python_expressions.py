@@ -44,11 +44,14 @@ def number(value: float | None) -> str:
     return repr(float(value))
 
 
-def call(function: str, arguments: Iterable[str]) -> str:
-    """Return a call, one argument per line where it is too long for one line."""
+def call(function: str, arguments: Iterable[str], *, depth: int = 1) -> str:
+    """Return a call, one argument per line where it is too long for one line.
+
+    It is meant to stand `depth` levels of indentation deep.
+    """
     listed = list(arguments)
     line = f"{function}({', '.join(listed)})"
-    if len(INDENT) + len(line) <= WIDTH:
+    if depth * len(INDENT) + len(line) <= WIDTH:
         return line
     lines = "".join(f"{INDENT}{argument},\n" for argument in listed)
     return f"{function}(\n{lines})"
