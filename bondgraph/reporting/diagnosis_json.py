@@ -37,6 +37,7 @@ def diagnosis_to_dict(diagnosis: Diagnosis) -> dict[str, Any]:
     diagnosis
         Any diagnosis, whatever its verdict.
     """
+    model = delivered(diagnosis).model
     return {
         "schema": SCHEMA,
         "verdict": diagnosis.verdict.value,
@@ -47,18 +48,28 @@ def diagnosis_to_dict(diagnosis: Diagnosis) -> dict[str, Any]:
             "held_out": _comparison(diagnosis.held_out),
             "before": _fit(diagnosis.fit_before),
             "after": _fit(diagnosis.fit_after),
+            "all": _fit(delivered(diagnosis)),
         },
         "noise_floor": json_value(diagnosis.noise_floor),
         "false_alarm_probability": json_value(diagnosis.false_alarm_probability),
         "next_experiment": {"statement": diagnosis.next_experiment},
         "candidates": [_evidence(candidate) for candidate in diagnosis.candidates],
-        "model": to_python(diagnosis.model),
-        "changes": list(describe_difference(diagnosis.model_before, diagnosis.model)),
+        "model": to_python(model),
+        "changes": list(describe_difference(diagnosis.model_before, model)),
         "blame": json_value(diagnosis.blame),
         "recovered": [_recovered(law) for law in diagnosis.recovered],
         "notes": list(diagnosis.notes),
         "provenance": json_value(diagnosis.provenance),
     }
+
+
+def delivered(diagnosis: Diagnosis) -> FitResult:
+    """Return the fit whose model is the one to use from here.
+
+    It is the improved model fitted to all recordings, where that was done, else to the
+    training recordings.
+    """
+    return diagnosis.fit_all or diagnosis.fit_after
 
 
 def write_json(diagnosis: Diagnosis, path: Path | str) -> None:

@@ -18,6 +18,7 @@ from bondgraph.causality.assignment import assign_causality
 from bondgraph.diagnosis.records import Diagnosis, RecoveredLaw, Trace
 from bondgraph.fitting.result import Estimate
 from bondgraph.reporting.charts import Chart, Curve, chart
+from bondgraph.reporting.diagnosis_json import delivered
 from bondgraph.reporting.drawing import draw_svg
 from bondgraph.reporting.files import write_text
 from bondgraph.reporting.model_text import describe_difference, to_python
@@ -58,6 +59,7 @@ class _ParameterRow:
     unit: str
     before: str
     after: str
+    everything: str
     new: bool
 
 
@@ -110,16 +112,18 @@ def _environment() -> "jinja2.Environment":
 def _context(diagnosis: Diagnosis) -> dict[str, Any]:
     from markupsafe import Markup  # noqa: PLC0415  (comes with jinja2)
 
-    model = diagnosis.model
+    before, model = diagnosis.model_before, delivered(diagnosis).model
+    improved = (before.nodes, before.measurements) != (model.nodes, model.measurements)
     return {
         "diagnosis": diagnosis,
+        "improved": improved,
         "verdict": VERDICTS[diagnosis.verdict],
         "picture": Markup(diagnosis_picture(diagnosis)),  # noqa: S704  (escapes its names)
         "units": {m.name: unit_words(m.unit) for m in model.measurements},
         "recordings": _recordings(diagnosis),
         "laws": [(law, _law_chart(law)) for law in diagnosis.recovered],
         "parameters": _parameter_rows(diagnosis),
-        "changes": describe_difference(diagnosis.model_before, model),
+        "changes": describe_difference(before, model),
         "model_text": to_python(model),
         "provenance": list(_flattened(diagnosis.provenance)),
     }
@@ -217,12 +221,14 @@ def _law_chart(law: RecoveredLaw) -> Chart:
 def _parameter_rows(diagnosis: Diagnosis) -> list[_ParameterRow]:
     before = {e.name: e for e in diagnosis.fit_before.estimates}
     after = {e.name: e for e in diagnosis.fit_after.estimates}
+    everything = {e.name: e for e in delivered(diagnosis).estimates}
     return [
         _ParameterRow(
             name=name,
             unit=unit_words((after.get(name) or before[name]).unit),
             before=_estimate(before.get(name)),
             after=_estimate(after.get(name)),
+            everything=_estimate(everything.get(name)),
             new=name not in diagnosis.model_before.parameters,
         )
         for name in dict.fromkeys((*before, *after))
