@@ -62,10 +62,11 @@ class _Derivation:
 
     def __init__(self, graph: FinishedGraph, causality: CausalAssignment) -> None:
         self.graph = graph
-        names = reserved_names(graph)
+        names = self.names = reserved_names(graph)
         self.definitions = Definitions(graph, causality, names)
         self.outputs = [
-            (m, self.definitions.in_wires(m.expression)) for m in graph.measurements
+            (m, self.definitions.memory.in_wires(m.expression))
+            for m in graph.measurements
         ]
         kept, self.aliases = without_aliases(self.definitions.given)
         self.given = {s: d.expression for s, d in kept.items()}
@@ -107,12 +108,10 @@ class _Derivation:
 
     def _differentiate(self) -> None:
         """Add the residuals of dependent storages."""
-        states = self.definitions.states
+        states = self.definitions.memory.states
         leaves: dict[sympy.Symbol, sympy.Expr] = {s.symbol: s.rate for s in states}
         leaves.update(self.input_rates)
-        derivative = TimeDerivative(
-            self.given, leaves, self._residual_of, self.definitions.names
-        )
+        derivative = TimeDerivative(self.given, leaves, self._residual_of, self.names)
         for dependent in self.definitions.dependent.values():
             stored = replaced(dependent.stored, self.aliases)
             own = replaced(dependent.own, self.aliases)
@@ -144,7 +143,9 @@ class _Derivation:
 
     def equations(self) -> StateEquations:
         """Return the record, with what nothing needs put aside."""
-        rates = tuple(replaced(rate, self.aliases) for rate in self.definitions.rates)
+        rates = tuple(
+            replaced(rate, self.aliases) for rate in self.definitions.memory.rates
+        )
         outputs = tuple(
             Output(m.name, replaced(expression, self.aliases), m.unit)
             for m, expression in self.outputs
@@ -156,7 +157,7 @@ class _Derivation:
         listed = [s for s in self.order if s in needed]
         equations = StateEquations(
             name=self.graph.name,
-            states=tuple(self.definitions.states),
+            states=tuple(self.definitions.memory.states),
             inputs=tuple(self.inputs.values()),
             input_rates=tuple(self.input_rates.values()),
             parameters=tuple(parameter_symbol(p) for p in self.graph.parameters),
@@ -248,7 +249,9 @@ class _Derivation:
             if isinstance(node, Inertance | Compliance):
                 inertance = isinstance(node, Inertance)
                 kind = Quantity.MOMENTUM if inertance else Quantity.DISPLACEMENT
-                stored = replaced(self.definitions.stored(node.name), self.aliases)
+                stored = replaced(
+                    self.definitions.memory.stored(node.name), self.aliases
+                )
                 found[kind, node.name] = stored
         return found
 

@@ -13,7 +13,7 @@ import sympy
 
 from bondgraph.equations.chain_rule import Row, propagate, row_of, seeded
 from bondgraph.equations.operating_point import OperatingPoint
-from bondgraph.equations.rational import RationalField, solved
+from bondgraph.equations.rational import RationalField, in_lowest_terms, solved
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.equations.transfer_function import TransferFunction, s
 from bondgraph.errors import EquationError, did_you_mean
@@ -166,7 +166,7 @@ def _without_common_factor(
         for part in parts
     )
     if _share_a_root(top, bottom):
-        _, top, bottom = top.cancel(bottom)
+        top, bottom = top.cancel(bottom, include=True)
     return tuple(
         tuple(field.restored(c) for c in part.all_coeffs()) for part in (top, bottom)
     )  # type: ignore[return-value]
@@ -273,15 +273,7 @@ def _without_unknowns(row: Row, solutions: Mapping[sympy.Symbol, Row]) -> Row:
     for key, value in row.items():
         for leaf, factor in solutions.get(key, {key: sympy.S.One}).items():
             total.setdefault(leaf, []).append(value * factor)
-    return {leaf: _sum(terms) for leaf, terms in total.items()}
-
-
-def _sum(terms: list[sympy.Expr]) -> sympy.Expr:
-    """Return the sum, in lowest terms where fractions have to be brought together."""
-    if len(terms) == 1:
-        return terms[0]
-    field = RationalField(terms)
-    return field.expression(sum(map(field.element, terms), field.domain.zero))
+    return {leaf: in_lowest_terms(terms) for leaf, terms in total.items()}
 
 
 def _matrix(

@@ -70,6 +70,14 @@ class RationalField:
         return DomainMatrix(entries, (len(rows), width), self.domain)
 
 
+def in_lowest_terms(terms: Sequence[sympy.Expr]) -> sympy.Expr:
+    """Return the sum of `terms` as one fraction; meant for single coefficients."""
+    if len(terms) == 1 and not terms[0].has(sympy.Add):
+        return terms[0]
+    field = RationalField(terms)
+    return field.expression(sum(map(field.element, terms), field.domain.zero))
+
+
 def solved(
     matrix: Sequence[Row], unknowns: Sequence[sympy.Symbol], right: Sequence[Row]
 ) -> dict[sympy.Symbol, Row]:

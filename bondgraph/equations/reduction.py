@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import sympy
 
 from bondgraph.equations.chain_rule import Row
-from bondgraph.equations.rational import solved
+from bondgraph.equations.rational import in_lowest_terms, solved
 from bondgraph.equations.sorting import replaced
 from bondgraph.equations.state_equations import Output, StateEquations
 
@@ -92,8 +92,9 @@ def reduce(equations: StateEquations) -> ReducedEquations:
     forces = []
     for i, rate in enumerate(rates):
         row, force = _linear_form(replaced(rate, solutions), rate_symbols)
-        mass.update({(i, rate_symbols.index(s)): -value for s, value in row.items()})
-        mass[i, i] = ONE + mass.get((i, i), sympy.S.Zero)
+        row = {rate_symbols.index(s): -value for s, value in row.items()}
+        row[i] = ONE + row.get(i, sympy.S.Zero)
+        mass.update({(i, j): in_lowest_terms([x]) for j, x in row.items()})
         forces.append(force)
     size = len(rates)
     return ReducedEquations(
