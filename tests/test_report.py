@@ -32,7 +32,6 @@ from bondgraph.reporting.tables import (
 from bondgraph.reporting.wording import (
     number_words,
     percent,
-    physics_words,
     unit_words,
     with_deviation,
 )
@@ -215,6 +214,26 @@ def test_an_unexplained_relation_shows_its_curve_without_a_law(
     page = Page(report_html(replace(diagnosis, findings=(), recovered=(law,))))
     assert "No law of the library fits it." in page.text
     assert "no law was found" in str(page.elements)
+
+
+def test_a_law_of_more_than_its_argument_is_shown_as_points(
+    diagnosis: Diagnosis,
+) -> None:
+    smooth = diagnosis.recovered[0]
+    jumping = smooth.curve_value * (1 + np.arange(401) % 3)
+    html = report_html(
+        replace(diagnosis, recovered=(replace(smooth, curve_value=jumping),))
+    )
+    assert "shown as points at the same instants" in html
+    assert "shown as points" not in report_html(diagnosis)
+
+
+def test_a_long_law_is_folded(diagnosis: Diagnosis) -> None:
+    law = " + ".join(f"c_{k}*f**{k}" for k in range(20))
+    candidate = replace(diagnosis.candidates[0], law=law)
+    page = Page(report_html(replace(diagnosis, candidates=(candidate,))))
+    assert len(page.all("details")) == 1
+    assert law in page.text
 
 
 def test_hostile_text_stays_text(diagnosis: Diagnosis) -> None:
@@ -415,8 +434,6 @@ def test_values_are_rounded_to_what_is_known(
 
 
 def test_words_and_units() -> None:
-    assert physics_words("load_dependent_friction") == "load dependent friction"
-    assert physics_words("stribeck_friction") == "Stribeck friction"
     assert unit_words("kg*m^2/s**2") == "kg·m²/s²"
     assert percent(0.12345) == "12.3 %"
     assert percent(math.nan) == percent(None) == "–"
@@ -456,7 +473,7 @@ def test_colour_is_a_choice_and_carries_no_meaning(diagnosis: Diagnosis) -> None
     assert [x.split() for x in stripped.splitlines()] == [
         x.split() for x in plain.splitlines()
     ]
-    assert "Coulomb friction" in plain
+    assert "Coulomb (dry) friction" in plain
     assert "96.2 ± 1.1 %" in plain
 
 

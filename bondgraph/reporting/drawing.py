@@ -31,7 +31,7 @@ LETTER_SIZE = 17.0
 NAME_SIZE = 12.5
 SMALL_SIZE = 11.0
 LEGEND_HEIGHT = 30.0
-LONGEST_LABEL = 26
+LONGEST_LABEL = 34
 FULL_BLAME = 0.6  # opacity of the colour at 100 %: the text on it stays readable
 
 STYLE = """

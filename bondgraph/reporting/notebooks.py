@@ -9,12 +9,12 @@ from collections.abc import Mapping
 from html import escape
 
 from bondgraph.diagnosis.records import Diagnosis
+from bondgraph.diagnosis.wording import name_of
 from bondgraph.reporting.drawing import draw_svg
 from bondgraph.reporting.report import diagnosis_picture
 from bondgraph.reporting.wording import (
     VERDICTS,
     percent,
-    physics_words,
     sentence_start,
     with_deviation,
 )
@@ -38,7 +38,7 @@ def graph_html(
 def diagnosis_html(diagnosis: Diagnosis) -> str:
     """Return a diagnosis in short: verdict, picture, candidates and what to do next."""
     rows = "".join(
-        f"<tr><th>{escape(sentence_start(physics_words(one.physics)))} at "
+        f"<tr><th>{escape(sentence_start(name_of(one.physics)))} at "
         f"{escape(one.place)}</th><td>{escape(one.support.value)}</td>"
         f"<td>{escape(with_deviation(100 * one.gain, 100 * one.gain_std))} %</td></tr>"
         for one in diagnosis.candidates

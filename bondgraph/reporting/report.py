@@ -16,8 +16,9 @@ import numpy as np
 
 from bondgraph.causality.assignment import assign_causality
 from bondgraph.diagnosis.records import Diagnosis, RecoveredLaw, Trace
+from bondgraph.diagnosis.wording import name_of
 from bondgraph.fitting.result import Estimate
-from bondgraph.reporting.charts import Chart, Curve, chart
+from bondgraph.reporting.charts import Array, Chart, Curve, chart
 from bondgraph.reporting.diagnosis_json import delivered
 from bondgraph.reporting.drawing import draw_svg
 from bondgraph.reporting.files import write_text
@@ -27,7 +28,6 @@ from bondgraph.reporting.wording import (
     VERDICTS,
     number_words,
     percent,
-    physics_words,
     sentence_start,
     unit_words,
     with_deviation,
@@ -99,7 +99,7 @@ def _environment() -> "jinja2.Environment":
     environment.filters.update(
         number=number_words,
         percent=percent,
-        physics=physics_words,
+        physics=name_of,
         raised=sentence_start,
         unit=unit_words,
     )
@@ -117,6 +117,9 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "diagnosis": diagnosis,
         "improved": improved,
+        "held_out_known": any(
+            one.held_out_nrmse is not None for one in diagnosis.candidates
+        ),
         "verdict": VERDICTS[diagnosis.verdict],
         "picture": Markup(diagnosis_picture(diagnosis)),  # noqa: S704  (escapes its names)
         "units": {m.name: unit_words(m.unit) for m in model.measurements},
@@ -197,7 +200,7 @@ def _error_chart(trace: Trace, noise: float | None, slices: int) -> Chart:
     )
 
 
-def _rms(simulated: np.ndarray[Any, Any], trace: Trace) -> str:
+def _rms(simulated: Array, trace: Trace) -> str:
     error = simulated - trace.measured
     return number_words(float(np.sqrt(np.mean(error**2))), 3)
 
@@ -205,7 +208,10 @@ def _rms(simulated: np.ndarray[Any, Any], trace: Trace) -> str:
 def _law_chart(law: RecoveredLaw) -> Chart:
     curves = [Curve("recovered", "cloud", law.argument, law.value, dots=True)]
     if len(law.curve_argument):
-        curves.append(Curve("law", "after", law.curve_argument, law.curve_value))
+        order = np.argsort(law.curve_argument, kind="stable")
+        x, y = law.curve_argument[order], law.curve_value[order]
+        dots = not _is_a_curve(y)
+        curves.append(Curve("law", "after dots" if dots else "after", x, y, dots))
     return chart(
         curves,
         title=f"{law.value_name} at {law.place}",
@@ -216,6 +222,15 @@ def _law_chart(law: RecoveredLaw) -> Chart:
         y_label=f"{law.value_name} [{unit_words(law.value_unit)}]",
         frame=("recovered", "law"),
     )
+
+
+def _is_a_curve(values: Array) -> bool:
+    """Return whether a law is a function of the one argument it is shown against.
+
+    One that also depends on a load jumps up and down from point to point, and is shown
+    as points.
+    """
+    return float(np.abs(np.diff(values)).sum()) <= 6 * float(np.ptp(values))
 
 
 def _parameter_rows(diagnosis: Diagnosis) -> list[_ParameterRow]:

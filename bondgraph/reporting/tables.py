@@ -12,13 +12,13 @@ from io import StringIO
 from typing import TextIO
 
 from bondgraph.diagnosis.records import Evidence, Support
+from bondgraph.diagnosis.wording import name_of
 from bondgraph.fitting.result import Estimate
 from bondgraph.recordings.recording import Recording
 from bondgraph.reporting.wording import (
     NOTHING,
     number_words,
     percent,
-    physics_words,
     sentence_start,
     unit_words,
     with_deviation,
@@ -134,7 +134,7 @@ def candidates_table(
     )
     rows = [
         (
-            _Cell(sentence_start(physics_words(one.physics))),
+            _Cell(sentence_start(name_of(one.physics))),
             _Cell(one.place),
             _Cell(one.support.value, _STYLES[one.support]),
             _Cell(f"{with_deviation(100 * one.gain, 100 * one.gain_std)} %"),

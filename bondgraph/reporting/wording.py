@@ -10,14 +10,8 @@ VERDICTS = {
     Verdict.UNEXPLAINED: "Something is missing that has no name here",
     Verdict.CANNOT_TELL: "These recordings cannot tell",
 }
-_PEOPLE = {"coulomb": "Coulomb", "stribeck": "Stribeck"}
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 NOTHING = "–"
-
-
-def physics_words(physics: str) -> str:
-    """Return a physics word of the contract as words (``Coulomb friction``)."""
-    return " ".join(_PEOPLE.get(word, word) for word in physics.split("_"))
 
 
 def sentence_start(text: str) -> str:
