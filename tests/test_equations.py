@@ -263,6 +263,25 @@ def test_a_law_without_a_formula_in_the_needed_direction_stays_implicit() -> Non
     assert drop == pytest.approx(0.7 * through + 0.7 * through**3)
 
 
+@pytest.mark.parametrize("law", [sympy.tanh, sympy.sinh, sympy.atan])
+def test_a_saturating_law_written_backwards_stays_implicit(law: object) -> None:
+    graph = BondGraph("choke")
+    graph.one("loop", Se("u"), R("r"), I("coil", law=sympy.Symbol("k") * law(f)))
+    equations = derive(graph.finish())
+    put = dict.fromkeys(_leaves(equations), 0.6) | {sympy.Symbol("k", real=True): 1.5}
+    at = evaluated(equations, put)
+    current = float(equations.signal("flow", "coil").xreplace(at))
+    assert 1.5 * float(law(current)) == pytest.approx(0.6)
+    assert "0 = " in as_text(equations).split("reduced")[1]
+
+
+def test_a_storage_law_without_an_inverse_is_refused_by_name() -> None:
+    graph = BondGraph("choke")
+    graph.one("loop", Se("u"), R("r"), I("coil", law=sympy.Symbol("k") * f**2))
+    with pytest.raises(EquationError, match=r"I 'coil' gives p, but here f is wanted"):
+        derive(graph.finish())
+
+
 def _leaves(equations: StateEquations) -> set[sympy.Symbol]:
     return {*equations.inputs, *equations.parameters} | {
         s.symbol for s in equations.states

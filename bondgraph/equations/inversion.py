@@ -60,17 +60,32 @@ def check_monotone(
         for symbol in slope.free_symbols
         if symbol not in PORT_VARIABLES
     }
-    slope = slope.xreplace(signed)
+    slope = slope.xreplace(signed).replace(_is_squared_tanh, _by_cosh)
+    slope = sympy.expand(slope)
     if slope.is_positive or slope.is_negative:
         return relation
+    remedy = f"Write the law as an expression in {relation.output}"
+    if isinstance(element, Resistance):
+        given = "flow" if relation.output == signals.e else "effort"
+        remedy += f", or put a storage beside it that gives it its {given}"
     raise EquationError(
         f"The law {relation.output} = {relation.expression} of {letter(element)} "
         f"{element.name!r} gives {relation.output}, but here {relation.argument} is "
         f"wanted ({because}), and the law has no unique inverse.",
         (element.name,),
-        f"Write the law as an expression in {relation.output}, or put a storage beside "
-        f"it that gives it its {'flow' if relation.output == signals.e else 'effort'}.",
+        f"{remedy}.",
     )
+
+
+def _is_squared_tanh(expression: sympy.Expr) -> bool:
+    return bool(expression.is_Pow and expression.exp == 2) and isinstance(
+        expression.base, sympy.tanh
+    )
+
+
+def _by_cosh(square: sympy.Expr) -> sympy.Expr:
+    """Return tanh² as 1 - 1/cosh², whose sign sympy knows."""
+    return 1 - 1 / sympy.cosh(square.base.args[0]) ** 2
 
 
 def _with_sign(

@@ -70,26 +70,28 @@ def _section(title: str, lines: Iterable[str]) -> list[str]:
 
 
 def _reduced_lines(equations: StateEquations, reduced: ReducedEquations) -> list[str]:
+    names = {
+        state.rate: sympy.Symbol(f"d({state.symbol})/dt") for state in equations.states
+    }
     return [
-        f"{left} = {right}" for left, right in _sides(equations, reduced, "d({})/dt")
+        f"{left.xreplace(names)} = {right.xreplace(names)}"
+        for left, right in _reduced_sides(equations, reduced)
     ]
 
 
-def _sides(
-    equations: StateEquations, reduced: ReducedEquations, rate_form: str
-) -> list[tuple[str, sympy.Expr]]:
-    """Return the left side (as text) and right side of every reduced equation."""
-    names = {
-        state.rate: sympy.Symbol(rate_form.format(state.symbol))
-        for state in equations.states
-    }
+def _reduced_sides(
+    equations: StateEquations, reduced: ReducedEquations
+) -> list[tuple[sympy.Expr, sympy.Expr]]:
+    """Return left and right side of every reduced equation, the implicit ones last."""
     rates = [state.rate for state in equations.states]
-    sides = []
-    for i, force in enumerate(reduced.forces):
-        row = [(j, value) for (k, j), value in reduced.mass.todok().items() if k == i]
-        left = sympy.Add(*(value * rates[j] for j, value in sorted(row)))
-        sides.append((str(left.xreplace(names)), force))
-    return sides
+    left: list[list[sympy.Expr]] = [[] for _ in rates]
+    for (i, j), value in sorted(reduced.mass.todok().items()):
+        left[i].append(value * rates[j])
+    sides = [
+        (sympy.Add(*terms), force)
+        for terms, force in zip(left, reduced.forces, strict=True)
+    ]
+    return sides + [(sympy.S.Zero, residual) for residual in reduced.residuals]
 
 
 def as_latex(equations: StateEquations) -> str:
@@ -110,12 +112,7 @@ def as_latex(equations: StateEquations) -> str:
     pairs: list[tuple[sympy.Expr, sympy.Expr]] = []
     if len(equations.states) <= SHORT:
         reduced = reduce(equations)
-        rates = [state.rate for state in equations.states]
-        for i, force in enumerate(reduced.forces):
-            row = reduced.mass.row(i).todok()
-            left = sympy.Add(*(value * rates[j] for (_, j), value in row.items()))
-            pairs.append((left, force))
-        pairs += [(sympy.S.Zero, residual) for residual in reduced.residuals]
+        pairs += _reduced_sides(equations, reduced)
         outputs = [(sympy.Symbol(o.name), o.expression) for o in reduced.outputs]
     else:
         pairs += [(a.symbol, a.expression) for a in equations.assignments]
