@@ -131,7 +131,7 @@ def _parameter_changes(before: FinishedGraph, after: FinishedGraph) -> Iterator[
     for old, now in changed:
         if (old.value, old.unit) != (now.value, now.unit):
             yield f"parameter {old.name} from {_value(old)} to {_value(now)}"
-        if _knowledge(old) != _knowledge(now):
+        elif _knowledge(old) != _knowledge(now):
             yield f"what is known about parameter {old.name} changed"
 
 

@@ -107,8 +107,12 @@ class _PythonPrinter(StrPrinter):  # type: ignore[misc]
             first, *rest = *rest, first
         sign = "-" if first == -1 else ""
         shown = rest if sign else [first, *rest]
+        below = [a.base for a in shown if a.is_Pow and a.exp == -1]
+        above = [a for a in shown if not (a.is_Pow and a.exp == -1)]
         level = precedence(product)
-        return sign + "*".join(self.parenthesize(a, level) for a in shown)
+        upper = "*".join(self.parenthesize(a, level) for a in above) or "1"
+        lower = "".join(f"/{self.parenthesize(a, PRECEDENCE['Pow'])}" for a in below)
+        return sign + upper + lower
 
     def _print_Pow(self, power: sympy.Pow, rational: bool = False) -> str:
         base = self.parenthesize(power.base, PRECEDENCE["Pow"] + 1)
