@@ -1,0 +1,106 @@
+"""``bondgraph diagnose``: what a model leaves out, found in recordings."""
+
+from collections.abc import Sequence
+
+import click
+
+from bondgraph.cli.diagnosing import answer
+from bondgraph.cli.fit_options import fit_options
+from bondgraph.cli.inputs import (
+    Reading,
+    model_argument,
+    read_model,
+    read_recordings,
+    recording_options,
+)
+from bondgraph.cli.session import Session, json_option
+from bondgraph.errors import RecordingError
+from bondgraph.fitting.estimate import Settings
+from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.windows import split as split_recording
+
+SPLIT = 0.6
+
+
+@click.command("diagnose", short_help="What a model leaves out, found and shown.")
+@model_argument
+@click.argument("recordings", metavar="REC...", nargs=-1, required=True)
+@click.option(
+    "--held-out",
+    "held_out",
+    multiple=True,
+    metavar="REC",
+    help="A recording kept back to show the answer on; repeat for more.",
+)
+@click.option(
+    "--split",
+    type=click.FloatRange(0, 1, min_open=True, max_open=True),
+    help=f"Without --held-out: the share to train on, {SPLIT:g} by default.",
+)
+@click.option("--html", metavar="FILE", help="Write the report page.")
+@fit_options(window="auto")
+@recording_options
+@json_option
+@click.pass_obj
+def command(
+    session: Session,
+    /,
+    *,
+    model: str,
+    values: tuple[str, ...],
+    recordings: tuple[str, ...],
+    held_out: tuple[str, ...],
+    split: float | None,
+    html: str | None,
+    settings: Settings,
+    reading: Reading,
+    json_file: str | None,
+) -> None:
+    """Say whether MODEL leaves physics out, where and which, and show it.
+
+    REC... are for training: everything is fitted and chosen on them. The held-out
+    recordings are opened once, at the end. Without any, the first part of each
+    recording trains and the rest is held out.
+    """
+    if held_out and split is not None:
+        raise click.UsageError("--split has no use where --held-out is given.")
+    session.answers_in(json_file)
+    graph = read_model(model, values)
+    bound = read_recordings((*recordings, *held_out), graph, reading)
+    training, kept_back = bound[: len(recordings)], bound[len(recordings) :]
+    if not held_out:
+        share = SPLIT if split is None else split
+        session.note(
+            f"Without --held-out, the first {100 * share:.4g} % of each recording "
+            "trains and the rest is held out."
+        )
+        parts = [split_recording(recording, share) for recording in bound]
+        training = [first for first, _ in parts]
+        kept_back = [rest for _, rest in parts]
+    else:
+        _check_apart(training, kept_back)
+    answer(
+        session,
+        graph,
+        training,
+        kept_back,
+        settings=settings,
+        html=html,
+        json_file=json_file,
+    )
+
+
+def _check_apart(
+    training: Sequence[BoundRecording], held_out: Sequence[BoundRecording]
+) -> None:
+    """Refuse to show an answer on what it was chosen on."""
+    for kept_back in held_out:
+        for recording in training:
+            if recording.sha256 and recording.sha256 == kept_back.sha256:
+                raise RecordingError(
+                    f"{kept_back.name!r} is held out and has the same content as "
+                    f"{recording.name!r}, which trains.",
+                    (kept_back.name, recording.name),
+                    "Hold out another recording, or give one and let --split divide "
+                    "it.",
+                )

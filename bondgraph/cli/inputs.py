@@ -1,0 +1,229 @@
+"""What the user names on the command line, as objects: a model and its recordings.
+
+Options of every command that reads recordings are declared here once. The library's
+refusals name its own arguments; here they are spelled as the options of this program.
+"""
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
+from functools import wraps
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+from bondgraph.errors import BondGraphError, ParameterError, RecordingError
+from bondgraph.loading import load_model
+from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.model_channels import read_for
+from bondgraph.recordings.names import parse_mapping
+from bondgraph.structure.graph import FinishedGraph
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reading:
+    """How recordings are read: the recording options as given.
+
+    ``map`` and ``unit`` hold words such as ``theta=joint_angle`` and ``theta=deg``.
+    """
+
+    map: tuple[str, ...]
+    unit: tuple[str, ...]
+    time: str
+    step: float | None
+    steady: bool
+    gaps: str
+    order: str
+    repeats: str
+    delimiter: str | None
+    decimal: str
+    encoding: str
+
+
+_OPTIONS = (
+    click.option(
+        "--map",
+        multiple=True,
+        metavar="NAME=CHANNEL",
+        help="Channel of the file for an input or measurement of the model; with a "
+        "unit where the file has none (x=qm[m]).",
+    ),
+    click.option(
+        "--unit",
+        multiple=True,
+        metavar="NAME=UNIT",
+        help="Unit of a channel, before the one that the file gives.",
+    ),
+    click.option(
+        "--time", default="time", show_default=True, help="Name of the time column."
+    ),
+    click.option("--step", type=float, help="Seconds between samples without a time."),
+    click.option(
+        "--steady", is_flag=True, help="Rows are operating points, not samples in time."
+    ),
+    click.option(
+        "--gaps",
+        type=click.Choice(["refuse", "drop"]),
+        default="refuse",
+        show_default=True,
+        help="What to do with rows that have an empty or infinite cell.",
+    ),
+    click.option(
+        "--order",
+        type=click.Choice(["refuse", "sort"]),
+        default="refuse",
+        show_default=True,
+        help="What to do with times that run backward.",
+    ),
+    click.option(
+        "--repeats",
+        type=click.Choice(["refuse", "first", "mean"]),
+        default="refuse",
+        show_default=True,
+        help="What to do with samples of equal time.",
+    ),
+    click.option("--delimiter", help="Between the cells of a CSV file."),
+    click.option("--decimal", default=".", help="Decimal sign of a CSV file."),
+    click.option("--encoding", default="utf-8", help="Encoding of a CSV file."),
+)
+
+
+def recording_options(command: F) -> F:
+    """Add the options for reading recordings; the command gets them as ``reading``."""
+    names = [field.name for field in fields(Reading)]
+
+    @wraps(command)
+    def with_reading(*args: Any, **options: Any) -> Any:
+        reading = Reading(**{name: options.pop(name) for name in names})
+        return command(*args, reading=reading, **options)
+
+    for option in reversed(_OPTIONS):
+        with_reading = option(with_reading)
+    return with_reading  # type: ignore[return-value]
+
+
+def model_argument(command: F) -> F:
+    """Add the argument MODEL and the option ``--set``, which belong together."""
+    values = click.option(
+        "--set",
+        "values",
+        multiple=True,
+        metavar="NAME=VALUE",
+        help="Another value of a parameter, in SI units.",
+    )
+    return click.argument("model")(values(command))
+
+
+def read_model(reference: str, values: Sequence[str] = ()) -> FinishedGraph:
+    """Return the model that `reference` names, with the values of ``--set`` in it.
+
+    Raises
+    ------
+    ModelLoadError
+        If the model cannot be found or its code fails.
+    ParameterError
+        If a value is not a number, or its parameter is not in the model.
+    """
+    graph = load_model(reference)
+    return graph.with_parameters(dict(_number(text) for text in values))
+
+
+def _number(text: str) -> tuple[str, float]:
+    name, _, value = (part.strip() for part in text.partition("="))
+    try:
+        return name, float(value)
+    except ValueError:
+        raise ParameterError(
+            f"--set {text} does not give a parameter a number.",
+            (name,),
+            "Write --set name=value, as --set mass=95.1.",
+        ) from None
+
+
+def read_recordings(
+    paths: Sequence[str], graph: FinishedGraph, reading: Reading
+) -> list[BoundRecording]:
+    """Return recordings as the inputs and measurements of the model.
+
+    Each is called by its file's name without suffix, or by its path where two files
+    have the same name.
+
+    Raises
+    ------
+    RecordingError, MissingExtraError
+        If a file cannot be read or does not fit the model.
+    """
+    stems = [Path(path).stem for path in paths]
+    names = [
+        stem if stems.count(stem) == 1 else path
+        for stem, path in zip(stems, paths, strict=True)
+    ]
+    return [
+        _read(path, name, graph, reading)
+        for path, name in zip(paths, names, strict=True)
+    ]
+
+
+def _read(
+    path: str, name: str, graph: FinishedGraph, reading: Reading
+) -> BoundRecording:
+    try:
+        return read_for(
+            graph,
+            path,
+            name=name,
+            mapping=parse_mapping(reading.map),
+            units=_units(reading.unit),
+            time=reading.time,
+            step=reading.step,
+            steady=reading.steady,
+            gaps=reading.gaps,
+            order=reading.order,
+            repeats=reading.repeats,
+            delimiter=reading.delimiter,
+            decimal=reading.decimal,
+            encoding=reading.encoding,
+        )
+    except BondGraphError as error:
+        remedy = as_options(error.remedy)
+        raise type(error)(error.problem, error.about, remedy) from error
+
+
+def _units(words: Sequence[str]) -> dict[str, str]:
+    units = {}
+    for word in words:
+        name, _, unit = (part.strip() for part in word.partition("="))
+        if not name or not unit:
+            raise RecordingError(
+                f"--unit {word} does not give a channel a unit.",
+                (word,),
+                "Write --unit name=unit, as --unit theta=deg.",
+            )
+        units[name] = unit
+    return units
+
+
+_SPELLINGS = (
+    # A model says which channels are read, so none can be left out.
+    (r",? (or|and) leave (it|the channel|the column) out with channels=\(\.\.\.\)", ""),
+    (r",? (or say which to read with|and) channels=\(\.\.\.\)( if it was given)?", ""),
+    (r"mapping=\{.*?\}", "--map time=t[s] --map NAME=CHANNEL[unit]"),
+    (r'units=\{"([^"]*)": "([^"]*)"\}', r"--unit \1=\2"),
+    (r"\b(time)=\.\.\.", r"--time NAME"),
+    (r"\bstep=\.\.\.( in seconds)?", r"--step SECONDS"),
+    (r"\bsteady=True", r"--steady"),
+    (r"""\b(gaps|order|repeats|delimiter|decimal|encoding)=["']([^"']*)["']""",
+     r"--\1 '\2'"),
+    (r"\b(\w+)=(CHANNEL|COLUMN)\b", r"--map \1=\2"),
+    (r"--(\w+) '(\w[\w-]*)'", r"--\1 \2"),
+)  # fmt: skip
+
+
+def as_options(remedy: str) -> str:
+    """Return a remedy of the library with its arguments spelled as options."""
+    for argument, option in _SPELLINGS:
+        remedy = re.sub(argument, option, remedy)
+    return remedy

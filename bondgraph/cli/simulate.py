@@ -1,0 +1,91 @@
+"""``bondgraph simulate``: a model beside a recording."""
+
+from typing import Any
+
+import click
+import numpy as np
+
+from bondgraph.cli.fit_options import fit_options
+from bondgraph.cli.inputs import (
+    Reading,
+    model_argument,
+    read_model,
+    read_recordings,
+    recording_options,
+)
+from bondgraph.cli.session import Session, json_option
+from bondgraph.errors import FitError
+from bondgraph.fitting.estimate import Settings
+from bondgraph.fitting.simulate import Solution, SolveStatus, simulate
+from bondgraph.recordings.names import join_header
+from bondgraph.reporting.diagnosis_json import json_value
+from bondgraph.reporting.wording import number_words, percent, unit_words
+
+
+@click.command("simulate", short_help="A model beside a recording.")
+@model_argument
+@click.argument("recording", metavar="REC")
+@click.option("-o", "--output", metavar="FILE", help="Write measured and simulated.")
+@fit_options(window="whole")
+@recording_options
+@json_option
+@click.pass_obj
+def command(
+    session: Session,
+    /,
+    *,
+    model: str,
+    values: tuple[str, ...],
+    recording: str,
+    output: str | None,
+    settings: Settings,
+    reading: Reading,
+    json_file: str | None,
+) -> None:
+    """Drive MODEL with the inputs of the recording REC and compare its outputs.
+
+    The initial state is estimated from the recording; no parameter is changed.
+    """
+    session.answers_in(json_file)
+    graph = read_model(model, values)
+    (bound,) = read_recordings([recording], graph, reading)
+    with session.progress() as progress:
+        progress(f"simulating {bound.name}")
+        solution = simulate(graph, bound, settings=settings)
+    if solution.status is SolveStatus.FAILED:
+        raise FitError(
+            f"The simulation of {graph.name!r} along {bound.name!r} does not stay "
+            "finite.",
+            (graph.name, bound.name),
+            "Simulate shorter stretches with --window SECONDS.",
+        )
+    for name, unit in zip(solution.output_names, solution.output_units, strict=True):
+        rmse = number_words(solution.score.rmse[name])
+        session.say(f"{name}: simulated minus measured {rmse} {unit_words(unit)} rms")
+    share = percent(solution.score.nrmse)
+    session.say(f"That is {share} of the standard deviation of what was measured.")
+    if output is not None:
+        session.write(output, _csv(solution))
+    session.deliver(json_file, _plain(solution))
+
+
+def _csv(solution: Solution) -> str:
+    """Return time and, for each output, the measured and the simulated values."""
+    headers, columns = [join_header("time", "s")], [solution.time]
+    units = zip(solution.output_names, solution.output_units, strict=True)
+    for i, (name, unit) in enumerate(units):
+        headers += [join_header(name, unit), join_header(f"{name}_simulated", unit)]
+        columns += [solution.measured[:, i], solution.simulated[:, i]]
+    rows = (",".join(f"{x:.12g}" for x in row) for row in np.column_stack(columns))
+    return "\n".join((",".join(headers), *rows)) + "\n"
+
+
+def _plain(solution: Solution) -> dict[str, Any]:
+    return {
+        "schema": 1,
+        "recording": solution.recording,
+        "status": solution.status.name.lower(),
+        "nrmse": json_value(solution.score.nrmse),
+        "rmse": json_value(solution.score.rmse),
+        "units": dict(zip(solution.output_names, solution.output_units, strict=True)),
+    }

@@ -1,0 +1,95 @@
+"""Simulate a model with the inputs of a recording, to compare its outputs.
+
+Where a machine starts is never known exactly. So its initial state is estimated from
+the recorded outputs, all parameters held, and the model runs freely from there.
+"""
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.fitting.estimate import Settings, fit_model, score
+from bondgraph.fitting.horizon import WholeRecordings
+from bondgraph.fitting.result import Score
+from bondgraph.recordings.binding import BoundRecording
+from bondgraph.structure.graph import FinishedGraph
+
+Array = NDArray[np.float64]
+
+
+class SolveStatus(StrEnum):
+    """How a simulation ended; the value is the sentence to show."""
+
+    SUCCESSFUL = "The simulation ran to the end."
+    FAILED = "The simulation did not stay finite."
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Solution:
+    """A model run with recorded inputs.
+
+    Parameters
+    ----------
+    output_names, output_units
+        The measurements of the model.
+    time, measured, simulated
+        Seconds, and ``[sample, output]``; samples in stretches too short to simulate
+        are left out. Simulated values are nan where the simulation failed.
+    score
+        How far the two are apart.
+    """
+
+    status: SolveStatus
+    recording: str
+    output_names: tuple[str, ...]
+    output_units: tuple[str, ...]
+    time: Array
+    measured: Array
+    simulated: Array
+    score: Score
+
+
+def simulate(
+    graph: FinishedGraph,
+    recording: BoundRecording,
+    *,
+    settings: Settings | None = None,
+) -> Solution:
+    """Run a model with the inputs of a recording, from an estimated initial state.
+
+    Parameters
+    ----------
+    graph
+        The model; none of its parameters is changed.
+    recording
+        Its inputs drive the model, its outputs are what to compare with.
+    settings
+        How to simulate; from one initial state through the whole recording by default.
+
+    Raises
+    ------
+    FitError, ParameterError
+        If the model measures nothing, or a parameter has no value.
+    """
+    chosen = Settings(horizon=WholeRecordings()) if settings is None else settings
+    held = graph.with_parameters(
+        [replace(parameter, std=0.0) for parameter in graph.parameters.members]
+    )
+    spread = np.nanstd(recording.outputs, axis=0)
+    sigma = np.where(spread > 0.0, spread, 1.0)
+    ran = fit_model(held, [recording], chosen, sigma=sigma)
+    shots, model = ran.problem.shots, ran.problem.model
+    residuals = np.where(np.isfinite(shots.outputs), ran.residuals(), np.nan)
+    finite = np.isfinite(ran.optimum.cost)
+    return Solution(
+        status=SolveStatus.SUCCESSFUL if finite else SolveStatus.FAILED,
+        recording=recording.name,
+        output_names=model.output_names,
+        output_units=model.output_units,
+        time=shots.time,
+        measured=shots.outputs,
+        simulated=shots.outputs - residuals,
+        score=score(model, shots, residuals),
+    )

@@ -1,0 +1,111 @@
+"""What a model needs of a recording: its inputs and measurements, with their units."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bondgraph.recordings.binding import BoundRecording, bind, read_bound
+from bondgraph.recordings.recording import Recording
+from bondgraph.structure.graph import FinishedGraph, Measurement
+from bondgraph.structure.signals import Signal, signals_in
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModelChannels:
+    """The channels of a model, ``{name: unit}``.
+
+    Parameters
+    ----------
+    inputs, outputs
+        The sources that a recording drives, and the measurements.
+    unchecked
+        Those of the analogue domain, whose unit is whatever the recording says.
+    """
+
+    inputs: Mapping[str, str]
+    outputs: Mapping[str, str]
+    unchecked: frozenset[str]
+
+
+def channels_of(graph: FinishedGraph) -> ModelChannels:
+    """Return the channels that a recording of `graph` has to have."""
+    inputs = {source.name: graph.input_unit(source.name) for source in graph.inputs}
+    outputs = {m.name: m.unit for m in graph.measurements}
+    free = [name for name in inputs if not graph.domain_at(name).checked]
+    free += [m.name for m in graph.measurements if _takes_any_unit(graph, m)]
+    return ModelChannels(inputs=inputs, outputs=outputs, unchecked=frozenset(free))
+
+
+def bind_to(
+    graph: FinishedGraph,
+    recording: Recording,
+    *,
+    mapping: Mapping[str, str] | None = None,
+) -> BoundRecording:
+    """Return a recording as the inputs and measurements of a model.
+
+    Parameters
+    ----------
+    mapping
+        Model name to channel name, where they differ.
+
+    Raises
+    ------
+    RecordingError
+        If a channel is missing or its unit does not convert to the model's.
+    """
+    channels = channels_of(graph)
+    return bind(
+        recording,
+        channels.inputs,
+        channels.outputs,
+        mapping=mapping,
+        unchecked=channels.unchecked,
+    )
+
+
+def read_for(
+    graph: FinishedGraph,
+    path: str | Path,
+    *,
+    mapping: Mapping[str, str] | None = None,
+    **choices: Any,
+) -> BoundRecording:
+    """Read what a model needs from a file, and bind it; other columns are not read.
+
+    Parameters
+    ----------
+    mapping
+        Model name to name in the file, with a unit where the file has none:
+        ``{"time": "t [s]", "position": "qm [m]"}``.
+    **choices
+        Further choices of `read_recording`.
+
+    Raises
+    ------
+    RecordingError, MissingExtraError
+        As `read_recording` and `bind` do.
+    """
+    channels = channels_of(graph)
+    return read_bound(
+        path,
+        channels.inputs,
+        channels.outputs,
+        mapping=mapping,
+        unchecked=channels.unchecked,
+        **choices,
+    )
+
+
+def _takes_any_unit(graph: FinishedGraph, measurement: Measurement) -> bool:
+    """Return whether nobody said what a measurement is measured in.
+
+    That is so where it reads the analogue domain and has the unit that comes of itself.
+    """
+    read = measurement.expression
+    if isinstance(read, Signal):
+        domain = graph.domain_at(read.place)
+        return not domain.checked and measurement.unit == domain.unit(read.quantity)
+    domains = [graph.domain_at(signal.place) for signal in signals_in(read)]
+    return measurement.unit == "1" and any(not domain.checked for domain in domains)
