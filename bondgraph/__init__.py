@@ -26,6 +26,33 @@ _HOME = {
     "bondgraph.causality.assignment": ("assign_causality",),
     "bondgraph.equations.derivation": ("derive",),
     "bondgraph.equations.linear": ("linearise",),
+    "bondgraph.equations.rendering": ("as_text", "as_latex"),
+    "bondgraph.numeric.state_space": (
+        *("StateSpace", "state_space"),
+        *("to_control", "transfer_function_to_control"),
+    ),
+    "bondgraph.recordings.reading": ("read_recording",),
+    "bondgraph.recordings.frames": ("from_pandas",),
+    "bondgraph.recordings.recording": ("Recording",),
+    "bondgraph.recordings.binding": ("BoundRecording", "bind"),
+    "bondgraph.recordings.model_channels": ("bind_to", "read_for"),
+    "bondgraph.recordings.windows": ("split",),
+    "bondgraph.simulation.solvers": ("Hold", "Sdirk2", "Sdirk3"),
+    "bondgraph.fitting.horizon": (
+        *("Automatic", "Seconds", "WholeRecordings", "Windows"),
+    ),
+    "bondgraph.fitting.estimate": ("Settings", "fit"),
+    "bondgraph.fitting.result": ("FitResult", "FitStatus"),
+    "bondgraph.fitting.simulate": ("Solution", "SolveStatus", "simulate"),
+    "bondgraph.diagnosis.diagnose": ("Options", "diagnose"),
+    "bondgraph.diagnosis.records": ("Diagnosis", "Verdict"),
+    "bondgraph.reporting.drawing": ("draw_svg",),
+    "bondgraph.reporting.diagnosis_json": ("diagnosis_to_dict", "write_json"),
+    "bondgraph.reporting.model_text": ("to_python",),
+    "bondgraph.reporting.report": ("report_html", "write_report"),
+    "bondgraph.checking.run": ("run_checks",),
+    "bondgraph.loading": ("load_model",),
+    "bondgraph.notebook": ("load_ipython_extension",),
     "bondgraph.errors": ("BondGraphError",),
 }
 _WHERE = {name: home for home, names in _HOME.items() for name in names}
@@ -35,9 +62,54 @@ __all__ = sorted([*_WHERE, "__version__"])  # noqa: PLE0605
 
 if TYPE_CHECKING:
     from bondgraph.causality.assignment import assign_causality as assign_causality
+    from bondgraph.checking.run import run_checks as run_checks
+    from bondgraph.diagnosis.diagnose import Options as Options
+    from bondgraph.diagnosis.diagnose import diagnose as diagnose
+    from bondgraph.diagnosis.records import Diagnosis as Diagnosis
+    from bondgraph.diagnosis.records import Verdict as Verdict
     from bondgraph.equations.derivation import derive as derive
     from bondgraph.equations.linear import linearise as linearise
+    from bondgraph.equations.rendering import as_latex as as_latex
+    from bondgraph.equations.rendering import as_text as as_text
     from bondgraph.errors import BondGraphError as BondGraphError
+    from bondgraph.fitting.estimate import Settings as Settings
+    from bondgraph.fitting.estimate import fit as fit
+    from bondgraph.fitting.horizon import Automatic as Automatic
+    from bondgraph.fitting.horizon import Seconds as Seconds
+    from bondgraph.fitting.horizon import WholeRecordings as WholeRecordings
+    from bondgraph.fitting.horizon import Windows as Windows
+    from bondgraph.fitting.result import FitResult as FitResult
+    from bondgraph.fitting.result import FitStatus as FitStatus
+    from bondgraph.fitting.simulate import Solution as Solution
+    from bondgraph.fitting.simulate import SolveStatus as SolveStatus
+    from bondgraph.fitting.simulate import simulate as simulate
+    from bondgraph.loading import load_model as load_model
+    from bondgraph.notebook import load_ipython_extension as load_ipython_extension
+    from bondgraph.numeric.state_space import StateSpace as StateSpace
+    from bondgraph.numeric.state_space import state_space as state_space
+    from bondgraph.numeric.state_space import to_control as to_control
+    from bondgraph.numeric.state_space import (
+        transfer_function_to_control as transfer_function_to_control,
+    )
+    from bondgraph.recordings.binding import BoundRecording as BoundRecording
+    from bondgraph.recordings.binding import bind as bind
+    from bondgraph.recordings.frames import from_pandas as from_pandas
+    from bondgraph.recordings.model_channels import bind_to as bind_to
+    from bondgraph.recordings.model_channels import read_for as read_for
+    from bondgraph.recordings.reading import read_recording as read_recording
+    from bondgraph.recordings.recording import Recording as Recording
+    from bondgraph.recordings.windows import split as split
+    from bondgraph.reporting.diagnosis_json import (
+        diagnosis_to_dict as diagnosis_to_dict,
+    )
+    from bondgraph.reporting.diagnosis_json import write_json as write_json
+    from bondgraph.reporting.drawing import draw_svg as draw_svg
+    from bondgraph.reporting.model_text import to_python as to_python
+    from bondgraph.reporting.report import report_html as report_html
+    from bondgraph.reporting.report import write_report as write_report
+    from bondgraph.simulation.solvers import Hold as Hold
+    from bondgraph.simulation.solvers import Sdirk2 as Sdirk2
+    from bondgraph.simulation.solvers import Sdirk3 as Sdirk3
     from bondgraph.structure.builder import BondGraph as BondGraph
     from bondgraph.structure.edits import InsertElement as InsertElement
     from bondgraph.structure.edits import ReplaceMeasurement as ReplaceMeasurement
