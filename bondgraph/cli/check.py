@@ -11,7 +11,7 @@ from bondgraph.cli.terminal import table_style
 from bondgraph.reporting.tables import CheckRow, checks_table
 
 
-@click.command("check", short_help="Derived against declared values.")
+@click.command("check")
 @click.argument("file", default="pyproject.toml")
 @click.option("--junit", metavar="FILE", help="Write the results as JUnit XML.")
 @json_option

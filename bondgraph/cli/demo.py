@@ -21,6 +21,8 @@ from bondgraph.fitting.estimate import Settings
 from bondgraph.loading import load_object
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.model_channels import read_for
+from bondgraph.reporting.diagnosis_json import write_json
+from bondgraph.structure.graph import FinishedGraph
 
 MODEL = "flegx_models.demo:drive"
 MACHINE = "flegx_models.concealed_drive"
@@ -28,7 +30,7 @@ DURATION = 20.0  # s, of each recording
 HIDDEN, WHERE = "load_dependent_friction", "worm"
 
 
-@click.command("demo", short_help="The main job, on a machine made here.")
+@click.command("demo")
 @click.option("--seed", default=1, show_default=True, help="Of motion, load and noise.")
 @click.option("--without-effect", is_flag=True, help="Hide nothing; nothing is found.")
 @click.option(
@@ -112,28 +114,28 @@ def _callable(reference: str) -> Callable[..., Any]:
 
 
 def _introduction(paths: Sequence[Path], *, without_effect: bool) -> str:
+    friction = load_object(f"{MACHINE}:WORM_FRICTION")
     hidden = (
-        "Nothing was hidden in the machine."
+        f"Nothing is hidden in it that the model {MODEL} leaves out."
         if without_effect
-        else f"Hidden in the machine: friction of the worm, "
-        f"{load_object(f'{MACHINE}:WORM_FRICTION')} of the torque it transmits."
+        else f"Hidden in it is friction of the worm, {friction} of the torque that the "
+        f"worm transmits.\nThe model {MODEL} knows nothing of it."
     )
     train, held_out = paths
     return (
-        f"Recorded {train} (splines, to train) and {held_out} (sines, held out), "
-        f"{DURATION:g} s each.\n{hidden} The model {MODEL} does not know.\n"
+        f"A leg drive, simulated by {MACHINE}, was recorded for {DURATION:g} s each "
+        f"time:\n{train} (splines, to train) and {held_out} (sines, held out).\n"
+        f"{hidden}\n"
     )
 
 
 def _diagnosed(
     session: Session,
-    graph: Any,
+    graph: FinishedGraph,
     recordings: tuple[BoundRecording, BoundRecording],
     folder: Path,
     json_file: str | None,
 ) -> Diagnosis:
-    from bondgraph.reporting.diagnosis_json import write_json  # noqa: PLC0415
-
     train, held_out = recordings
     found = answer(
         session,

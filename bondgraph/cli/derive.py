@@ -19,7 +19,7 @@ from bondgraph.errors import BondGraphError, EquationError, ParameterError
 from bondgraph.structure.graph import FinishedGraph
 
 
-@click.command("derive", short_help="Causality, equations, transfer functions.")
+@click.command("derive")
 @model_argument
 @click.option(
     "--at",
@@ -192,17 +192,15 @@ def _plain(
         ],
         "inputs": [str(u) for u in equations.inputs],
         "parameters": numbers,
-        "assignments": [[str(a.symbol), str(a.expression)] for a in _all(equations)],
+        "assignments": [
+            [str(a.symbol), str(a.expression)] for a in equations.assignments
+        ],
         "rates": [str(rate) for rate in equations.rates],
         "unknowns": [str(z) for z in equations.unknowns],
         "residuals": [str(residual) for residual in equations.residuals],
         "outputs": {o.name: str(o.expression) for o in equations.outputs},
         "transfer_functions": [_plain_transfer(t, numbers) for t in transfers],
     }
-
-
-def _all(equations: StateEquations) -> Sequence[Any]:
-    return equations.assignments
 
 
 def _plain_transfer(

@@ -22,7 +22,7 @@ from bondgraph.recordings.windows import split as split_recording
 SPLIT = 0.6
 
 
-@click.command("diagnose", short_help="What a model leaves out, found and shown.")
+@click.command("diagnose")
 @model_argument
 @click.argument("recordings", metavar="REC...", nargs=-1, required=True)
 @click.option(

@@ -12,7 +12,7 @@ from bondgraph.errors import BondGraphError
 from bondgraph.reporting.drawing import draw_svg
 
 
-@click.command("draw", short_help="Half arrows, causal strokes, names.")
+@click.command("draw")
 @model_argument
 @click.option(
     "-o",

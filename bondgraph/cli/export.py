@@ -66,7 +66,7 @@ _WRITERS: dict[str, Callable[[FinishedGraph], str]] = {
 }
 
 
-@click.command("export", short_help="LaTeX, Python, python-control, JSON.")
+@click.command("export")
 @model_argument
 @click.option(
     "--to",

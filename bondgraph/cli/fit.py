@@ -21,7 +21,7 @@ from bondgraph.reporting.tables import estimates_table
 from bondgraph.reporting.wording import number_words, percent
 
 
-@click.command("fit", short_help="Parameters with their uncertainty.")
+@click.command("fit")
 @model_argument
 @click.argument("recordings", metavar="REC...", nargs=-1, required=True)
 @click.option("-o", "--output", metavar="FILE", help="Write the fitted model (Python).")

@@ -22,7 +22,7 @@ from bondgraph.reporting.diagnosis_json import json_value
 from bondgraph.reporting.wording import number_words, percent, unit_words
 
 
-@click.command("simulate", short_help="A model beside a recording.")
+@click.command("simulate")
 @model_argument
 @click.argument("recording", metavar="REC")
 @click.option("-o", "--output", metavar="FILE", help="Write measured and simulated.")
