@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from bondgraph.cli.session import Session
 from bondgraph.cli.terminal import table_style
 from bondgraph.diagnosis.diagnose import Options, diagnose
-from bondgraph.diagnosis.records import Diagnosis, Verdict
+from bondgraph.diagnosis.records import Diagnosis, Evidence, Verdict
 from bondgraph.fitting.estimate import Settings
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.reporting.diagnosis_json import delivered, diagnosis_to_dict
@@ -23,6 +23,7 @@ from bondgraph.reporting.wording import (
 from bondgraph.structure.graph import FinishedGraph
 
 SHOWN_CANDIDATES = 8
+SHOWN_NOTES = 6
 _LOOK_AT = {
     Verdict.PHYSICS_MISSING: "look first at the held-out recordings before and after, "
     "then at the law and the places it could be confused with",
@@ -71,7 +72,7 @@ def _told(diagnosis: Diagnosis) -> Iterator[str]:
     yield from _errors(diagnosis)
     if diagnosis.candidates:
         yield "Considered, judged on left-out parts of the training recordings"
-        first = diagnosis.candidates[:SHOWN_CANDIDATES]
+        first = _best_of_each(diagnosis.candidates)[:SHOWN_CANDIDATES]
         yield candidates_table(first, **table_style())
         more = len(diagnosis.candidates) - len(first)
         if more:
@@ -80,8 +81,27 @@ def _told(diagnosis: Diagnosis) -> Iterator[str]:
     if estimates:
         yield "Parameters of the model handed on, fitted to all recordings"
         yield estimates_table(estimates, **table_style())
+    if diagnosis.notes:
+        yield "\n".join(("Notes", *(f"  {note}" for note in _few(diagnosis.notes)), ""))
     if diagnosis.next_experiment:
         yield f"Next experiment: {diagnosis.next_experiment}\n"
+
+
+def _best_of_each(candidates: Sequence[Evidence]) -> list[Evidence]:
+    """Return the first candidate of each law at each place, which is the best.
+
+    A law may be tried at a place in several ways; a table has no use for all of them.
+    """
+    best: dict[tuple[str, str], Evidence] = {}
+    for candidate in candidates:
+        best.setdefault((candidate.physics, candidate.place), candidate)
+    return list(best.values())
+
+
+def _few(notes: Sequence[str]) -> Iterator[str]:
+    yield from notes[:SHOWN_NOTES]
+    if len(notes) > SHOWN_NOTES:
+        yield f"and {len(notes) - SHOWN_NOTES} more, in the page and the JSON"
 
 
 def _errors(diagnosis: Diagnosis) -> Iterator[str]:

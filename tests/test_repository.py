@@ -1,0 +1,66 @@
+"""The outside of the repository: what the README promises, and what CI runs."""
+
+import re
+import tomllib
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+from packaging.requirements import Requirement
+
+from bondgraph.loading import load_model
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language):
+    """Return the fenced blocks of the README in a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```", README, flags=re.M | re.S)
+
+
+def test_the_example_in_the_readme_runs_and_prints_what_it_says(capsys):
+    (example,) = blocks("python")
+    exec(compile(example, "README.md", "exec"), {})
+    assert capsys.readouterr().out.strip() == example.rpartition("# ")[2].strip()
+
+
+def test_the_two_commands_are_single_lines():
+    demo, tests, _ = blocks("sh")
+    for command in (demo, tests):
+        assert command.count("\n") == 1
+        assert command.startswith("python3 -m venv .venv && ")
+    assert demo.endswith("bondgraph demo\n")
+    assert tests.endswith("pytest\n")
+
+
+def test_ci_ends_with_exactly_the_readme_s_test_command():
+    lines = (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines(True)
+    assert lines[-1] == blocks("sh")[1]
+    assert (ROOT / ".ci" / "run").stat().st_mode & 0o111
+
+
+def test_every_page_that_is_linked_exists():
+    pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    for page in pages:
+        text = page.read_text(encoding="utf-8")
+        for link in re.findall(r"\]\(([^)#]+)\)", text):
+            assert (page.parent / link).exists(), f"{page.name}: {link}"
+
+
+def test_the_picture_shows_the_drive_as_it_is():
+    picture = ET.fromstring((ROOT / "docs" / "lowerleg_drive.svg").read_text("utf-8"))
+    said = "".join(picture.itertext())
+    for node in load_model("flegx_models.demo:drive").nodes:
+        assert node.name in said
+
+
+def test_constraints_pin_every_package_that_is_declared():
+    lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+    pins = [Requirement(line) for line in lines if line and not line.startswith("#")]
+    assert all(str(pin.specifier).startswith("==") and pin.url is None for pin in pins)
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    extras = project["optional-dependencies"].values()
+    texts = [*project["dependencies"], *(text for extra in extras for text in extra)]
+    declared = {Requirement(text).name for text in texts} - {project["name"]}
+    assert len(declared) > 15
+    assert declared <= {pin.name for pin in pins}
