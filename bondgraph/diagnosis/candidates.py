@@ -1,12 +1,13 @@
 """Candidates: every hypothesis inserted, refitted from the base optimum and ranked.
 
 A hypothesis is nested in the base model, so its refit starts where the base fit ended,
-with the new strength at zero, and once more from each of its own start values. A short
-fit screens; only those that reduce the training error materially are fitted to the end.
+with the new strength at zero; where that does not keep what the linearised problem
+promises, also from its other starts. A short fit screens; only those that reduce the
+training error materially are fitted to the end.
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,12 +16,19 @@ from numpy.typing import NDArray
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel, pose, prepare
-from bondgraph.fitting.levenberg_marquardt import Optimum, minimise
+from bondgraph.fitting.levenberg_marquardt import (
+    Optimum,
+    minimise,
+    promised_reduction,
+)
+from bondgraph.fitting.problem import FitProblem
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Place
 
 Array = NDArray[np.float64]
-SCREENING_ITERATIONS = 5
-FULL_ITERATIONS = 40
+SCREENING_ITERATIONS = 4
+FULL_ITERATIONS = 30
+TOLERANCE = 1e-4
+KEPT_PROMISE = 0.8
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,10 +39,9 @@ class Candidate:
     fitted: FittedModel
 
     @property
-    def complexity(self) -> float:
-        """Number of parameters it adds, and half as much for each variable it reads."""
-        own = self.hypothesis
-        return len(own.parameters) + 0.5 * len(own.depends_on)
+    def complexity(self) -> int:
+        """Number of parameters it adds."""
+        return len(self.hypothesis.parameters)
 
     def reduction(self, base: FittedModel) -> float:
         """Return the relative reduction of the training error against `base`."""
@@ -66,16 +73,26 @@ def propose_all(
 def screen(
     base: FittedModel,
     hypotheses: Sequence[Hypothesis],
+    worth: float,
     tick: Callable[[str], None] = lambda _: None,
 ) -> tuple[tuple[Candidate, ...], tuple[Rejected, ...]]:
-    """Fit every hypothesis briefly; return them with the best first."""
+    """Fit every hypothesis briefly; return them with the best first.
+
+    Parameters
+    ----------
+    worth
+        A hypothesis that promises less than this relative reduction is rejected.
+    """
     candidates, rejected = [], []
     for hypothesis in hypotheses:
         tick(f"{hypothesis.physics} at {hypothesis.place}")
         try:
-            candidates.append(_best_start(base, hypothesis))
+            candidate = _best_start(base, hypothesis, worth)
         except BondGraphError as error:
             rejected.append(Rejected(hypothesis, str(error)))
+            continue
+        if candidate is not None:
+            candidates.append(candidate)
     candidates.sort(key=lambda candidate: candidate.fitted.optimum.cost)
     return tuple(candidates), tuple(rejected)
 
@@ -90,39 +107,59 @@ def complete(candidate: Candidate) -> Candidate:
         fitted.optimum.theta,
         fitted.optimum.initial,
         iterations=FULL_ITERATIONS,
+        tolerance=TOLERANCE,
         settled=fitted.optimum.linearisation,
     )
     return replace(candidate, fitted=replace(fitted, optimum=optimum))
 
 
-def _best_start(base: FittedModel, hypothesis: Hypothesis) -> Candidate:
-    """Return the best of short fits from all starts of the hypothesis."""
-    graph = hypothesis.apply(base.graph)
-    model = prepare(graph)
-    problem = pose(graph, model, base.problem.shots, base.settings, base.problem.sigma)
-    problem = _with_prior_of(problem, base)
-    initial = _initial_states(base, model.state_names)
+def _best_start(
+    base: FittedModel, hypothesis: Hypothesis, worth: float
+) -> Candidate | None:
+    """Return the best of short fits from the hypothesis' starts.
+
+    None where even the linearised problem at its weakest start promises a relative
+    reduction below `worth`.
+    """
+    problem = _problem_of(base, hypothesis)
+    initial = _initial_states(base, problem.model.state_names)
+    starts = _start_values(base, hypothesis, problem)
+    promise = promised_reduction(problem, starts[0], initial)
+    if promise < worth:
+        return None
     best: Optimum | None = None
-    for start in _start_values(base, hypothesis):
-        theta = np.array(
-            [start[model.parameter_names[i]] for i in problem.free], dtype=float
+    for theta in starts:
+        found = minimise(
+            problem,
+            theta,
+            initial,
+            iterations=SCREENING_ITERATIONS,
+            tolerance=TOLERANCE,
         )
-        found = minimise(problem, theta, initial, iterations=SCREENING_ITERATIONS)
         if best is None or found.cost < best.cost:
             best = found
+        if 1.0 - best.cost / base.optimum.cost > KEPT_PROMISE * promise:
+            break
     assert best is not None
     if not math.isfinite(best.cost):
         raise BondGraphError(
             f"{hypothesis.physics} at {hypothesis.place} could not be simulated.",
             (hypothesis.physics, hypothesis.place),
         )
+    graph = hypothesis.apply(base.graph)
     return Candidate(
-        hypothesis,
-        FittedModel(graph=graph, problem=problem, optimum=best, horizon=base.horizon),
+        hypothesis, replace(base, graph=graph, problem=problem, optimum=best)
     )
 
 
-def _with_prior_of(problem, base):  # type: ignore[no-untyped-def]
+def _problem_of(base: FittedModel, hypothesis: Hypothesis) -> FitProblem:
+    graph = hypothesis.apply(base.graph)
+    model = prepare(graph)
+    problem = pose(graph, model, base.problem.shots, base.settings, base.problem.sigma)
+    return _with_prior_of(problem, base)
+
+
+def _with_prior_of(problem: FitProblem, base: FittedModel) -> FitProblem:
     """Keep the prior's centre at the values before the base fit."""
     start = dict(
         zip(base.problem.model.parameter_names, base.problem.start, strict=True)
@@ -133,12 +170,15 @@ def _with_prior_of(problem, base):  # type: ignore[no-untyped-def]
 
 
 def _start_values(
-    base: FittedModel, hypothesis: Hypothesis
-) -> Iterator[dict[str, float]]:
-    """Yield all parameter values for each start of the hypothesis."""
+    base: FittedModel, hypothesis: Hypothesis, problem: FitProblem
+) -> tuple[Array, ...]:
+    """Return the free parameters at each start of the hypothesis."""
     added = {p.name: p.value or 0.0 for p in hypothesis.edit.parameters}
-    for start in hypothesis.starts:
-        yield {**base.values, **added, **start}
+    free = [problem.model.parameter_names[i] for i in problem.free]
+    return tuple(
+        np.array([{**base.values, **added, **start}[name] for name in free])
+        for start in hypothesis.starts
+    )
 
 
 def _initial_states(base: FittedModel, names: Sequence[str]) -> Array:

@@ -1,10 +1,11 @@
 """Which candidate to believe, if any; calibrated rather than impressive.
 
 A candidate is *supported* when its gain on left-out chunks is significant after the
-number of candidates tried, and material. Among those as good as the best within one
-standard error the simplest wins; the others stay on record as alternatives.
+number of candidates tried, and material. Among those not clearly worse than the best
+the simplest wins; the others stay on record as alternatives.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bondgraph.diagnosis.candidates import Candidate
@@ -12,6 +13,7 @@ from bondgraph.diagnosis.evidence import Gain, LeftOutErrors, compare
 from bondgraph.diagnosis.records import Support
 
 CURVE = "unknown_relation"
+INDISTINGUISHABLE = 1e-4
 NAMED_SHARE = 0.8
 """A named law must give this share of what a free curve gives, or the curve is told."""
 
@@ -80,11 +82,14 @@ def judge(
     return Judged(candidate, errors, gain, support, reason)
 
 
-def best_supported(judged: list[Judged], *, curves: bool = True) -> Judged | None:
-    """Return the simplest supported candidate within one standard error of the best.
+def best_supported(
+    judged: Sequence[Judged], rule: Rule, *, curves: bool = True
+) -> Judged | None:
+    """Return the supported candidate to believe, or None.
 
-    A curve without a name is considered only where `curves`, and chosen only where no
-    named law gives most of what it gives.
+    A law with more parameters must beat the simpler one materially; among laws as
+    simple the better predictor wins. A curve without a name is considered only where
+    `curves`, and chosen only where no named law gives most of what it gives.
     """
     supported = [
         j
@@ -99,26 +104,58 @@ def best_supported(judged: list[Judged], *, curves: bool = True) -> Judged | Non
         best_named = max(named, key=lambda j: j.gain.value)
         if best_named.gain.value >= NAMED_SHARE * best.gain.value:
             supported, best = named, best_named
-    close = [j for j in supported if not clearly_better(best, j)]
-    return min(close, key=lambda j: (j.candidate.complexity, -j.gain.value))
+    close = [j for j in supported if not clearly_better(best, j, rule)]
+    fewest = min(j.candidate.complexity for j in close)
+    simplest = [j for j in close if j.candidate.complexity == fewest]
+    leading = min(
+        simplest,
+        key=lambda j: (-round(j.gain.value, 4), j.candidate.fitted.optimum.cost),
+    )
+    # Of exact equals, the one proposed first: the library goes from plain to
+    # particular, and places from the graph's first junction to its last.
+    return next(j for j in simplest if equal(leading, j))
 
 
-def clearly_better(better: Judged, worse: Judged, errors: float = 1.0) -> bool:
-    """Return whether `better` beats `worse` by more than `errors` standard errors."""
+def clearly_better(better: Judged, worse: Judged, rule: Rule) -> bool:
+    """Return whether `better` beats `worse` surely (two standard errors) and materially.
+
+    Half the materiality of a finding separates two findings.
+    """
     if better is worse:
         return False
     difference = compare(worse.errors, better.errors)
-    return difference.value > max(errors * difference.std, 1e-3)
+    return difference.value > max(2.0 * difference.std, rule.materiality / 2)
 
 
-def alternatives_to(chosen: Judged, judged: list[Judged]) -> tuple[Judged, ...]:
-    """Return supported candidates that the data do not tell from the chosen one."""
+def equal(one: Judged, other: Judged) -> bool:
+    """Return whether two candidates fit and predict equally well, to 0.01 %."""
+    a, b = one.candidate.fitted.optimum.cost, other.candidate.fitted.optimum.cost
+    same = abs(compare(other.errors, one.errors).value) < INDISTINGUISHABLE
+    return same and abs(a - b) <= INDISTINGUISHABLE * min(a, b)
+
+
+def alternatives_to(
+    chosen: Judged, judged: Sequence[Judged], rule: Rule
+) -> tuple[Judged, ...]:
+    """Return supported candidates that the data do not tell from the chosen one.
+
+    A law that extends the chosen one without predicting better is no alternative: it
+    contains the chosen one, and what it adds is not supported.
+    """
     close = [
         j
         for j in judged
         if j is not chosen
         and j.support is Support.SUPPORTED
-        and not clearly_better(chosen, j, errors=2.0)
+        and not clearly_better(chosen, j, rule)
         and j.physics != CURVE
+        and not _extends(j, chosen)
     ]
     return tuple(sorted(close, key=lambda j: -j.gain.value))
+
+
+def _extends(wider: Judged, narrower: Judged) -> bool:
+    """Return whether the wider law contains the narrower one at the same place or not."""
+    same = wider.physics == narrower.physics
+    more = wider.candidate.complexity > narrower.candidate.complexity
+    return narrower.physics in wider.candidate.hypothesis.extends or (same and more)

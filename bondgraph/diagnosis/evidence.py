@@ -18,8 +18,9 @@ from bondgraph.fitting.problem import FitProblem, linearise_windows
 
 Array = NDArray[np.float64]
 CHUNKS = 24
+SETTLE_ITERATIONS = 5
 FOLDS = 4
-FOLD_ITERATIONS = 12
+FOLD_ITERATIONS = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,8 +89,11 @@ def _settle_unseen(
     unseen = np.array([bool(test[part].all()) for part in problem.shots.slices])
     if not unseen.any() or problem.model.n_states == 0:
         return initial
-    settled, _ = settle(problem, theta, initial)
-    return np.where(unseen[:, None], settled, initial)
+    windows = np.flatnonzero(unseen)
+    part = replace(problem, shots=problem.shots.subset(windows))
+    own = initial.copy()
+    own[windows], _ = settle(part, theta, initial[windows], SETTLE_ITERATIONS)
+    return own
 
 
 def compare(before: LeftOutErrors, after: LeftOutErrors) -> Gain:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.probing import common_signal, probe, recover
 from bondgraph.diagnosis.records import RecoveredLaw, Trace
-from bondgraph.fitting.estimate import FittedModel, pose, score
+from bondgraph.fitting.estimate import FittedModel, first_guess, pose, score
 from bondgraph.fitting.horizon import Horizon, WholeRecordings, Windows, cut
 from bondgraph.fitting.levenberg_marquardt import settle
 from bondgraph.fitting.result import Score
@@ -55,8 +55,8 @@ def _simulate(
     old = fitted.problem
     problem = pose(fitted.graph, old.model, shots, fitted.settings, old.sigma)
     problem = replace(problem, start=fitted.parameters)
-    initial = np.zeros((shots.n_windows, old.model.n_states))
-    _, at = settle(problem, problem.start[problem.free], initial, iterations=25)
+    theta = problem.start[problem.free]
+    _, at = settle(problem, theta, first_guess(problem, theta), iterations=25)
     residuals = at.residuals * old.sigma
     residuals = np.where(np.isfinite(shots.outputs), residuals, np.nan)
     return WholeSimulation(

@@ -164,16 +164,35 @@ def solve(
     theta: Array | None = None,
     initial: Array | None = None,
     iterations: int = 60,
+    tolerance: float = 1e-6,
 ) -> Optimum:
     """Settle the initial states, then fit everything."""
     start = problem.start[problem.free] if theta is None else theta
-    states = initial if initial is not None else _first_guess(problem)
+    states = initial if initial is not None else first_guess(problem, start)
     states, here = settle(problem, start, states)
-    return minimise(problem, start, states, iterations=iterations, settled=here)
+    return minimise(
+        problem,
+        start,
+        states,
+        iterations=iterations,
+        tolerance=tolerance,
+        settled=here,
+    )
 
 
-def _first_guess(problem: FitProblem) -> Array:
-    return np.zeros((problem.shots.n_windows, problem.model.n_states))
+def first_guess(problem: FitProblem, theta: Array) -> Array:
+    """Return initial states that fit the first samples of every window.
+
+    From zero, over a short stretch, the fit is nearly linear; from there the long one
+    starts close enough.
+    """
+    shots = problem.shots
+    zeros = np.zeros((shots.n_windows, problem.model.n_states))
+    if max(np.diff(shots.edges)) <= 2 * SHORTEST:
+        return zeros
+    short = shots.subset(np.arange(shots.n_windows), SHORTEST)
+    initial, _ = settle(replace(problem, shots=short), theta, zeros)
+    return initial
 
 
 def fit_model(
@@ -226,10 +245,11 @@ def choose_horizon(
         return whole
     longest = max(len(recording) for recording in recordings)
     samples = max(SHORTEST, 6 * model.n_states)
-    best, last = Windows(samples), math.inf
+    best, last, theta = Windows(samples), math.inf, None
     while samples < longest:
         problem = pose(graph, model, cut(recordings, Windows(samples)), settings)
-        optimum = solve(problem, iterations=8)
+        optimum = solve(problem, theta=theta, iterations=15, tolerance=1e-3)
+        theta = optimum.theta
         size = math.sqrt(optimum.linearisation.cost.sum() / problem.shots.outputs.size)
         if not size <= GROWTH * last:
             return best

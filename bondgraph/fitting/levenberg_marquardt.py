@@ -4,7 +4,7 @@ The damping is Marquardt's (relative to the diagonal), so the units of parameter
 matter; bounds are kept by holding a parameter that pushes against its bound.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +18,11 @@ from bondgraph.fitting.problem import (
 )
 
 Array = NDArray[np.float64]
-RELATIVE_DECREASE = 1e-7
+RELATIVE_DECREASE = 1e-6
 LARGEST_DAMPING = 1e9
 SETTLED = 1e-6
+WORSE = 1.01
+REPAIR_ITERATIONS = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +69,8 @@ def settle(
         trial = np.where(active[:, None], initial + move, initial)
         new = linearise_windows(problem, theta, trial)
         better = active & (new.cost < best.cost)
-        gained = np.where(better, best.cost - new.cost, 0.0)
+        old = np.where(better, best.cost, 0.0)
+        gained = np.where(better, old - np.where(better, new.cost, 0.0), 0.0)
         initial = np.where(better[:, None], trial, initial)
         best = _choose(problem, better, new, best)
         damping = np.where(better, damping / 10, damping * 100)
@@ -98,7 +101,47 @@ def _choose(
         np.where(take[:, None, None], new.hessian, old.hessian),
         np.where(take[:, None], new.slope, old.slope),
         np.where(take, new.cost, old.cost),
+        np.where(rows[:, None], new.states, old.states),
     )
+
+
+def _repair(
+    problem: FitProblem, step: _Step, new: Linearisation, initial: Array, old: Array
+) -> tuple[_Step, Linearisation]:
+    """Settle the windows that a step made worse, from the states they had before.
+
+    One window in which friction sticks where it slid would otherwise refuse a step that
+    is right for all others.
+    """
+    worse = np.flatnonzero(~(new.cost <= WORSE * old))
+    if len(worse) == 0 or problem.model.n_states == 0:
+        return step, new
+    part = replace(problem, shots=problem.shots.subset(worse))
+    settled, at = settle(part, step.theta, initial[worse], REPAIR_ITERATIONS)
+    better = at.cost < new.cost[worse]
+    windows = worse[better]
+    chosen = step.initial.copy()
+    chosen[windows] = settled[better]
+    sizes = np.diff(problem.shots.edges)
+    take = np.zeros(len(sizes), dtype=bool)
+    take[windows] = True
+    rows, part_rows = np.repeat(take, sizes), np.repeat(better, sizes[worse])
+    merged = Linearisation(
+        _put(new.residuals, rows, at.residuals[part_rows]),
+        _put(new.jacobian, rows, at.jacobian[part_rows]),
+        _put(new.hessian, take, at.hessian[better]),
+        _put(new.slope, take, at.slope[better]),
+        _put(new.cost, take, at.cost[better]),
+        _put(new.states, rows, at.states[part_rows]),
+    )
+    return _Step(step.theta, chosen), merged
+
+
+def _put(whole: Array, where: NDArray[np.bool_], values: Array) -> Array:
+    """Return a copy of `whole` with `values` at the chosen rows."""
+    copy = whole.copy()
+    copy[where] = values
+    return copy
 
 
 def minimise(
@@ -107,6 +150,7 @@ def minimise(
     initial: Array,
     *,
     iterations: int = 40,
+    tolerance: float = RELATIVE_DECREASE,
     settled: Linearisation | None = None,
 ) -> Optimum:
     """Fit the free parameters and all initial states.
@@ -115,6 +159,8 @@ def minimise(
     ----------
     theta, initial
         Where to start.
+    tolerance
+        Two decreases of the cost below this share of it end the iteration.
     settled
         The linearisation there, when it is known already.
     """
@@ -124,9 +170,10 @@ def minimise(
     for done in range(1, iterations + 1):
         step = _step(problem, here, theta, initial, damping)
         new = linearise_windows(problem, step.theta, step.initial)
+        step, new = _repair(problem, step, new, initial, here.cost)
         new_cost = _total(problem, new, step.theta)
         if new_cost < cost:
-            small = small + 1 if cost - new_cost <= RELATIVE_DECREASE * cost else 0
+            small = small + 1 if cost - new_cost <= tolerance * cost else 0
             theta, initial, here, cost = step.theta, step.initial, new, new_cost
             damping = max(damping / 8, 1e-12)
             if small >= 2 or cost == 0.0:
@@ -150,23 +197,60 @@ def _step(
     problem: FitProblem, at: Linearisation, theta: Array, initial: Array, damping: float
 ) -> _Step:
     """Solve the damped normal equations, eliminating each window's initial state."""
+    normal = _reduced(problem, at, theta, damping)
+    reduced = np.maximum(np.diag(normal.hessian), 1e-12 * normal.diagonal)
+    hessian = normal.hessian + damping * np.diag(reduced)
+    move = _bounded(problem, hessian, normal.slope, theta)
+    return _Step(theta + move, initial + normal.offset - normal.gain @ move)
+
+
+@dataclass(frozen=True, slots=True)
+class _Normal:
+    """Normal equations of θ, and how each window's initial state follows a step."""
+
+    hessian: Array
+    slope: Array
+    diagonal: Array
+    gain: Array
+    offset: Array
+
+
+def _reduced(
+    problem: FitProblem, at: Linearisation, theta: Array, damping: float
+) -> _Normal:
+    """Eliminate every window's initial state (Schur complement)."""
     nq = len(theta)
     prior, weight = prior_residuals(problem, theta)
-    own = at.hessian[:, nq:, nq:]
-    inverse = truncated_inverse(_damped(own, damping))
+    inverse = truncated_inverse(_damped(at.hessian[:, nq:, nq:], damping))
     cross = at.hessian[:, nq:, :nq]
     gain = inverse @ cross
     offset = np.einsum("wij,wj->wi", inverse, at.slope[:, nq:])
     full = at.hessian[:, :nq, :nq]
     hessian = (full - np.swapaxes(cross, 1, 2) @ gain).sum(axis=0)
     slope = (at.slope[:, :nq] - np.einsum("wij,wi->wj", cross, offset)).sum(axis=0)
-    hessian += np.diag(weight**2)
-    slope += weight * prior
-    diagonal = np.einsum("wii->i", full)
-    reduced = np.maximum(np.diag(hessian), 1e-12 * diagonal)
-    hessian[np.diag_indices(nq)] += damping * reduced
-    move = _bounded(problem, hessian, slope, theta)
-    return _Step(theta + move, initial + offset - gain @ move)
+    return _Normal(
+        hessian + np.diag(weight**2),
+        slope + weight * prior,
+        np.einsum("wii->i", full),
+        gain,
+        offset,
+    )
+
+
+def promised_reduction(problem: FitProblem, theta: Array, initial: Array) -> float:
+    """Return the relative decrease of the cost that the linearised problem promises.
+
+    One simulation; what a score test would use. Negative where it cannot be simulated.
+    """
+    at = linearise_windows(problem, theta, initial)
+    cost = _total(problem, at, theta)
+    if not np.isfinite(cost) or cost <= 0.0:
+        return -1.0
+    normal = _reduced(problem, at, theta, 1e-9)
+    move = _bounded(problem, normal.hessian, normal.slope, theta)
+    own = float((at.slope[:, len(theta) :] * normal.offset).sum())
+    gained = 2 * normal.slope @ move - move @ normal.hessian @ move + own
+    return float(gained / cost)
 
 
 def _bounded(problem: FitProblem, hessian: Array, slope: Array, theta: Array) -> Array:

@@ -69,6 +69,8 @@ class Linearisation:
         derivatives are those of the *simulation*, so a step solves ``J step = r``.
     hessian, slope, cost
         JᵀJ, Jᵀr and rᵀr per window; the cost is inf where the simulation failed.
+    states
+        Simulated states, (n, nx).
     """
 
     residuals: Array
@@ -76,6 +78,7 @@ class Linearisation:
     hessian: Array
     slope: Array
     cost: Array
+    states: Array
 
 
 def linearise_windows(
@@ -107,7 +110,12 @@ def linearise_windows(
     normal_blocks(jacobian, residuals, edges, hessian, slope, cost)
     fine = shot.completed & np.isfinite(cost) & np.isfinite(hessian).all(axis=(1, 2))
     return Linearisation(
-        residuals, jacobian, hessian, slope, np.where(fine, cost, np.inf)
+        residuals,
+        jacobian,
+        hessian,
+        slope,
+        np.where(fine, cost, np.inf),
+        shot.states,
     )
 
 

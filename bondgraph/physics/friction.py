@@ -18,6 +18,7 @@ from bondgraph.structure import signals
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.elements import (
     EffortSource,
+    FlowSource,
     Gyrator,
     OneJunction,
     Resistance,
@@ -159,8 +160,8 @@ class StribeckFriction(AbstractPhysics):
             words=f"a {place.domain.effort} against the motion that falls with speed",
             depends_on=("flow",),
             starts=tuple(
-                {c.name: some, rise.name: extra_start, at.name: share * place.flow}
-                for share, extra_start in ((0.1, 0.0), (0.1, some), (0.4, some))
+                {c.name: size, rise.name: size, at.name: share * place.flow}
+                for share, size in ((0.1, 0.0), (0.1, some), (0.4, some))
             ),
             extends=("coulomb_friction",),
         )
@@ -173,42 +174,61 @@ class LoadDependentFriction(AbstractPhysics):
     reference = "Amontons' law; Duclusaud et al., ICRA 2025 (arXiv 2410.08650)"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield one per transmitted load at a 1-junction."""
+        """Yield one per load at a 1-junction; the first also with a constant part."""
         if not _is_one_junction(place):
             return
-        for bond in _loads(place):
-            mu = place.parameter("mu", "1", low=0.0)
-            direction, smooth = _direction(place)
-            (coefficient,) = symbols(mu)
-            law = coefficient * sympy.Abs(effort(bond)) * direction
-            name = place.name_of("load_dependent_friction")
-            yield Hypothesis(
-                physics=self.word,
-                place=place.name,
-                element=name,
-                edit=place.insert(Resistance(name, law=law), mu, smooth),
-                law=law,
-                words=(
-                    f"a {place.domain.effort} against the motion that grows with the "
-                    f"{place.domain.effort} transmitted through {bond}"
-                ),
-                depends_on=("flow", f"effort({bond})"),
-                starts=({mu.name: 0.0}, {mu.name: 0.1}, {mu.name: 0.3}),
-            )
+        for number, bond in enumerate(_loads(place)):
+            yield self._law(place, bond, constant=False)
+            if number == 0:
+                yield self._law(place, bond, constant=True)
+
+    def _law(self, place: Place, bond: str, *, constant: bool) -> Hypothesis:
+        mu = place.parameter("mu", "1", low=0.0)
+        c = place.parameter("coulomb", place.unit(E), low=0.0)
+        direction, smooth = _direction(place)
+        coefficient, size = symbols(mu, c)
+        load = coefficient * sympy.Abs(effort(bond))
+        law = (size + load if constant else load) * direction
+        name = place.name_of("load_dependent_friction")
+        effort_word = place.domain.effort
+        constants: dict[str, float] = {c.name: 0.3 * place.effort} if constant else {}
+        parameters = (mu, c, smooth) if constant else (mu, smooth)
+        return Hypothesis(
+            physics=self.word,
+            place=place.name,
+            element=name,
+            edit=place.insert(Resistance(name, law=law), *parameters),
+            law=law,
+            words=(
+                f"a {effort_word} against the motion that "
+                f"{'has a constant part and ' if constant else ''}grows with the "
+                f"{effort_word} transmitted through {bond}"
+            ),
+            depends_on=("flow", f"effort({bond})"),
+            starts=tuple(
+                {mu.name: value, **constants}
+                for value in ((0.0, 0.2) if constant else (0.0, 0.1, 0.3))
+            ),
+            extends=("coulomb_friction",) if constant else (),
+        )
 
 
-def _loads(place: Place) -> Iterator[str]:
-    """Yield the bonds whose effort loads the contact: outward first, then inputs."""
+def _loads(place: Place) -> tuple[str, ...]:
+    """Return at most two bonds whose effort may load the contact.
+
+    What a two-port carries on comes first, then what one brings, then driven sources.
+    """
     graph = place.graph
-    inward, outward = [], []
+    outward: list[str] = []
+    inward: list[str] = []
+    driven: list[str] = []
     for bond in graph.bonds_at(place.name):
         other = graph.node(bond.other(place.name))
         if isinstance(other, Transformer | Gyrator):
             (outward if bond.tail == place.name else inward).append(bond.name)
-        elif isinstance(other, EffortSource) and other.value is None:
-            inward.append(bond.name)
-    yield from outward[:1] or inward[:1]
-    yield from [*outward[1:], *inward[0 if outward else 1 :]][:1]
+        elif isinstance(other, EffortSource | FlowSource) and other.value is None:
+            driven.append(bond.name)
+    return (*outward, *inward, *driven)[:2]
 
 
 def _has_free_linear(place: Place, kind: type) -> bool:

@@ -1,4 +1,7 @@
-"""The list of all physics that a diagnosis considers."""
+"""The list of all physics that a diagnosis considers, from plain to particular.
+
+Where two laws predict equally well, the one listed first is told first.
+"""
 
 from bondgraph.physics.fields import (
     AddedInertia,
@@ -22,9 +25,9 @@ from bondgraph.physics.unknown import UnknownRelation
 LIBRARY: tuple[AbstractPhysics, ...] = (
     ViscousFriction(),
     CoulombFriction(),
+    LoadDependentFriction(),
     DirectionDependentFriction(),
     StribeckFriction(),
-    LoadDependentFriction(),
     QuadraticDrag(),
     ConstantBias(),
     Gravity(),

@@ -20,7 +20,7 @@ from bondgraph.physics.hypothesis import (
 )
 from bondgraph.structure import signals
 from bondgraph.structure.domains import Quantity
-from bondgraph.structure.elements import Compliance, OnePort, Resistance
+from bondgraph.structure.elements import Compliance, Resistance
 from bondgraph.structure.parameters import Parameter
 
 KNOTS = (-2.0, -1.0, -0.3, -0.03, 0.03, 0.3, 1.0, 2.0)
@@ -63,9 +63,7 @@ class UnknownRelation(AbstractPhysics):
         (scale,) = symbols(width)
         law = _interpolation(variable / scale, knots, heights)
         name = place.name_of(f"unknown_{quantity}")
-        kind: type[OnePort] = (
-            Compliance if quantity is Quantity.DISPLACEMENT else Resistance
-        )
+        kind = Compliance if quantity is Quantity.DISPLACEMENT else Resistance
         return Hypothesis(
             physics=self.word,
             place=place.name,

@@ -42,11 +42,14 @@ class Shots:
         """The windows as slices."""
         return tuple(slice(a, b) for a, b in pairwise(self.edges))
 
-    def subset(self, windows: NDArray[np.int64]) -> "Shots":
-        """Return only the windows whose numbers are given."""
+    def subset(self, windows: NDArray[np.int64], most: int | None = None) -> "Shots":
+        """Return the windows numbered `windows`, each cut after `most` samples."""
         parts = [self.slices[w] for w in windows]
-        index = np.concatenate([np.arange(s.start, s.stop) for s in parts])
-        edges = np.cumsum([0, *(s.stop - s.start for s in parts)])
+        stops = [s.stop if most is None else min(s.stop, s.start + most) for s in parts]
+        lengths = [b - s.start for s, b in zip(parts, stops, strict=True)]
+        ends = zip(parts, stops, strict=True)
+        index = np.concatenate([np.arange(s.start, b) for s, b in ends])
+        edges = np.cumsum([0, *lengths])
         return Shots(
             self.time[index],
             self.inputs[index],
