@@ -26,7 +26,7 @@ from bondgraph.structure.graph import FinishedGraph
 
 MODEL = "flegx_models.demo:drive"
 MACHINE = "flegx_models.concealed_drive"
-DURATION = 20.0  # s, of each recording
+DURATION = 10.0  # s, of each recording
 HIDDEN, WHERE = "load_dependent_friction", "worm"
 
 

@@ -72,10 +72,10 @@ def _told(diagnosis: Diagnosis) -> Iterator[str]:
     yield from _errors(diagnosis)
     if diagnosis.candidates:
         yield "Considered, judged on left-out parts of the training recordings"
-        first = _best_of_each(diagnosis.candidates)[:SHOWN_CANDIDATES]
-        yield candidates_table(first, **table_style())
-        more = len(diagnosis.candidates) - len(first)
-        if more:
+        different = _best_of_each(diagnosis.candidates)
+        yield candidates_table(different[:SHOWN_CANDIDATES], **table_style())
+        more = len(different) - SHOWN_CANDIDATES
+        if more > 0:
             yield f"and {more} more, in the page and the JSON\n"
     estimates = delivered(diagnosis).estimates
     if estimates:
