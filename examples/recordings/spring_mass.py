@@ -17,9 +17,7 @@ def cart() -> BondGraph:
     """Return the cart, its spring with a rest position, and viscous damping."""
     track = BondGraph("cart on an air track", domain="analogue")
     stiffness, rest = sympy.symbols("stiffness rest")
-    track.one(
-        "cart", I("mass"), C("spring", law=stiffness * (q - rest)), R("viscous")
-    )
+    track.one("cart", I("mass"), C("spring", law=stiffness * (q - rest)), R("viscous"))
     track.measure("position", displacement_at("spring"), unit="px")
     track.parameter("mass", 1.0, std=0.0)
     track.parameter("stiffness", 10.0, bounds=(0, 1e6))

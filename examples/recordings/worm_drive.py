@@ -14,7 +14,7 @@ from bondgraph import TF, BondGraph, R, Se, Sf
 
 
 def drive() -> BondGraph:
-    """Return motor shaft and output pulley with its payload; no friction but viscous."""
+    """Return motor shaft and output pulley with payload; no friction but viscous."""
     gear = BondGraph("worm drive", domain="rotation")
     load = sympy.Symbol("payload_torque")
     gear.one("motor", Sf("motor_speed"), R("viscous"))
