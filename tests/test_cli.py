@@ -14,7 +14,7 @@ import pytest
 from click.testing import CliRunner
 from handmade_diagnosis import cart_diagnosis
 
-from bondgraph.cli import diagnosing
+from bondgraph.cli import demo, diagnosing
 from bondgraph.cli.inputs import as_options
 from bondgraph.cli.program import COMMANDS, program
 from bondgraph.diagnosis.records import Verdict
@@ -332,6 +332,90 @@ def test_an_unexpected_error_is_named_a_bug_and_never_hidden(
     assert "in broken" in shown.stderr
 
 
+# The demo, with the search replaced: what it hides, writes and concludes
+
+
+@pytest.fixture
+def short_demo(asked, monkeypatch, tmp_path):
+    """Return a function that runs the demo with half a second of recording."""
+    monkeypatch.setattr(demo, "DURATION", 0.5)
+    asked["answer"] = cart_diagnosis()
+
+    def short(*words):
+        return run("demo", "--out", tmp_path / "out", *words)
+
+    return short
+
+
+def with_finding(**changes):
+    answer = cart_diagnosis()
+    (finding,) = answer.findings
+    return replace(answer, findings=(replace(finding, **changes),))
+
+
+def test_the_demo_diagnoses_the_files_it_wrote(short_demo, asked, tmp_path):
+    asked["answer"] = with_finding(
+        physics="load_dependent_friction",
+        place="motor",
+        indistinguishable_places=("worm",),
+    )
+    result = short_demo()
+    assert result.exit_code == 0
+    assert "What was hidden is found." in result.stdout
+    folder = tmp_path / "out"
+    assert {path.name for path in folder.iterdir()} == {
+        *("train.csv", "held_out.csv", "report.html", "result.json")
+    }
+    assert asked["train"][0].source == str(folder / "train.csv")
+    assert asked["held_out"][0].source == str(folder / "held_out.csv")
+    assert len(asked["train"][0]) == 201
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"physics": "coulomb_friction", "place": "worm"},
+        {"physics": "load_dependent_friction", "place": "joint"},
+    ],
+)
+def test_the_demo_says_no_when_another_thing_is_found(short_demo, asked, changes):
+    asked["answer"] = with_finding(**changes)
+    result = short_demo()
+    assert result.exit_code == 1
+    assert "not found, or not where it is" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("verdict", "status", "said"),
+    [
+        (Verdict.ADEQUATE, 0, "Nothing was hidden, and nothing is found."),
+        (Verdict.PHYSICS_MISSING, 1, "a false alarm"),
+    ],
+)
+def test_the_demo_without_effect(short_demo, asked, verdict, status, said):
+    asked["answer"] = replace(cart_diagnosis(), verdict=verdict)
+    result = short_demo("--without-effect")
+    assert result.exit_code == status
+    assert said in result.stdout
+
+
+def test_the_demo_without_its_machine_is_refused(short_demo, monkeypatch):
+    monkeypatch.setattr(demo, "find_spec", lambda _: None)
+    assert "flegx_models, is not installed" in refused(short_demo())
+
+
+def test_an_interrupted_demo_says_that_its_recordings_are_kept(
+    short_demo, monkeypatch, tmp_path
+):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(diagnosing, "diagnose", interrupted)
+    result = short_demo()
+    assert result.exit_code == 130
+    assert f"kept {tmp_path / 'out' / 'train.csv'} and " in result.stderr
+
+
 # Refusals: one clear line each
 
 BAD_MODELS = {
@@ -550,3 +634,35 @@ def test_a_real_process_with_two_flow_sources_names_the_chain(tmp_path):
     assert "v1" in line
     assert "v2" in line
     assert "carriage" in line
+
+
+def test_a_diagnosis_through_the_whole_program_finds_dry_friction(tmp_path, model):
+    # No law of the toolkit: the machine is stepped by hand, ten thousand steps a second.
+    def push(path, seed):
+        generator = np.random.default_rng(seed)
+        force = np.repeat(generator.uniform(-3, 3, 25), 20)
+        velocity, rows = 0.0, []
+        for k, pull in enumerate(force):
+            noisy = velocity + 1e-3 * generator.normal()
+            rows.append(f"{0.02 * k:.2f},{pull:.6f},{noisy:.6f}")
+            for _ in range(200):
+                free = velocity + 1e-4 / MASS * (pull - VISCOUS * velocity)
+                dry = 1e-4 / MASS * 0.6
+                velocity = np.sign(free) * max(abs(free) - dry, 0.0)
+        path.write_text("time [s],force [N],velocity [m/s]\n" + "\n".join(rows) + "\n")
+        return path
+
+    train, held_out = push(tmp_path / "a.csv", 1), push(tmp_path / "b.csv", 2)
+    result = run(
+        *("diagnose", model, train, "--held-out", held_out, "--hold", "zero"),
+        *("--json", "-"),
+    )
+    assert result.exit_code == 0
+    answer = json.loads(result.stdout)
+    assert answer["verdict"] == "physics_missing"
+    assert answer["findings"][0]["physics"] == "coulomb_friction"
+    assert answer["findings"][0]["place"] == "carriage"
+    found = answer["findings"][0]["parameters"]
+    assert any(abs(p["value"] - 0.6) < 0.03 for p in found.values())
+    after, before = (answer["fit"]["held_out"][k]["nrmse"] for k in ("after", "before"))
+    assert after < 0.3 * before

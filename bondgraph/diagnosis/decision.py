@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.evidence import Gain, LeftOutErrors, compare
 from bondgraph.diagnosis.records import Support
+from bondgraph.physics.library import LIBRARY
 
 CURVE = "unknown_relation"
-INDISTINGUISHABLE = 1e-4
+ALIKE = 0.02
 NAMED_SHARE = 0.8
 """A named law must give this share of what a free curve gives, or the curve is told."""
 
@@ -28,10 +29,18 @@ class Rule:
         Chance, per round, of accepting anything when nothing is missing.
     materiality
         Least relative reduction of the squared error that is worth a finding.
+    order
+        Physics from plain to particular: of laws that predict alike, the first is told.
     """
 
     false_alarm_probability: float = 0.01
     materiality: float = 0.1
+    order: tuple[str, ...] = tuple(physics.word for physics in LIBRARY)
+
+    def plainness(self, judged: "Judged") -> int:
+        """Return how late in the library's order the physics comes."""
+        known = judged.physics in self.order
+        return self.order.index(judged.physics) if known else len(self.order)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,20 +91,14 @@ def judge(
     return Judged(candidate, errors, gain, support, reason)
 
 
-def best_supported(
-    judged: Sequence[Judged], rule: Rule, *, curves: bool = True
-) -> Judged | None:
+def best_supported(judged: Sequence[Judged], rule: Rule) -> Judged | None:
     """Return the supported candidate to believe, or None.
 
     A law with more parameters must beat the simpler one materially; among laws as
-    simple the better predictor wins. A curve without a name is considered only where
-    `curves`, and chosen only where no named law gives most of what it gives.
+    simple the better predictor wins. A curve without a name is chosen only where no
+    named law gives most of what it gives.
     """
-    supported = [
-        j
-        for j in judged
-        if j.support is Support.SUPPORTED and (curves or j.physics != CURVE)
-    ]
+    supported = [j for j in judged if j.support is Support.SUPPORTED]
     if not supported:
         return None
     named = [j for j in supported if j.physics != CURVE]
@@ -107,17 +110,15 @@ def best_supported(
     close = [j for j in supported if not clearly_better(best, j, rule)]
     fewest = min(j.candidate.complexity for j in close)
     simplest = [j for j in close if j.candidate.complexity == fewest]
-    leading = min(
-        simplest,
-        key=lambda j: (-round(j.gain.value, 4), j.candidate.fitted.optimum.cost),
-    )
-    # Of exact equals, the one proposed first: the library goes from plain to
-    # particular, and places from the graph's first junction to its last.
-    return next(j for j in simplest if equal(leading, j))
+    leading = max(simplest, key=lambda j: j.gain.value)
+    # Of laws that predict alike, the plainest; of places, the best.
+    plainest = min((j for j in simplest if alike(leading, j)), key=rule.plainness)
+    same = [j for j in simplest if j.physics == plainest.physics]
+    return max(same, key=lambda j: j.gain.value)
 
 
 def clearly_better(better: Judged, worse: Judged, rule: Rule) -> bool:
-    """Return whether `better` beats `worse` surely (two standard errors) and materially.
+    """Return whether `better` beats `worse` by two standard errors and materially.
 
     Half the materiality of a finding separates two findings.
     """
@@ -127,11 +128,9 @@ def clearly_better(better: Judged, worse: Judged, rule: Rule) -> bool:
     return difference.value > max(2.0 * difference.std, rule.materiality / 2)
 
 
-def equal(one: Judged, other: Judged) -> bool:
-    """Return whether two candidates fit and predict equally well, to 0.01 %."""
-    a, b = one.candidate.fitted.optimum.cost, other.candidate.fitted.optimum.cost
-    same = abs(compare(other.errors, one.errors).value) < INDISTINGUISHABLE
-    return same and abs(a - b) <= INDISTINGUISHABLE * min(a, b)
+def alike(one: Judged, other: Judged) -> bool:
+    """Return whether two candidates predict alike, to 2 % of the left-out error."""
+    return abs(compare(other.errors, one.errors).value) < ALIKE
 
 
 def alternatives_to(
@@ -155,7 +154,7 @@ def alternatives_to(
 
 
 def _extends(wider: Judged, narrower: Judged) -> bool:
-    """Return whether the wider law contains the narrower one at the same place or not."""
+    """Return whether the wider law contains the narrower one."""
     same = wider.physics == narrower.physics
     more = wider.candidate.complexity > narrower.candidate.complexity
     return narrower.physics in wider.candidate.hypothesis.extends or (same and more)

@@ -13,7 +13,13 @@ import numpy as np
 
 from bondgraph.diagnosis.answer import answer, white_noise
 from bondgraph.diagnosis.records import Diagnosis
-from bondgraph.diagnosis.search import Options, Progress, search, sharpened
+from bondgraph.diagnosis.search import (
+    Options,
+    Progress,
+    search,
+    search_settings,
+    sharpened,
+)
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import fit_model
 from bondgraph.recordings.binding import BoundRecording
@@ -50,7 +56,8 @@ def diagnose(
     """
     chosen = Options() if options is None else options
     progress("fitting the base model")
-    base = fit_model(graph, recordings, chosen.settings)
+    settings = search_settings(graph, recordings, chosen.settings)
+    base = fit_model(graph, recordings, settings)
     if not np.isfinite(base.optimum.cost):
         raise FitError(
             f"{graph.name!r} cannot be simulated at its start values.",

@@ -15,9 +15,11 @@ from scipy import stats
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.levenberg_marquardt import minimise, settle
 from bondgraph.fitting.problem import FitProblem, linearise_windows
+from bondgraph.fitting.uncertainty import correlation_time
 
 Array = NDArray[np.float64]
-CHUNKS = 24
+MOST_CHUNKS, LEAST_CHUNKS = 24, 6
+APART = 3
 SETTLE_ITERATIONS = 5
 FOLDS = 4
 FOLD_ITERATIONS = 3
@@ -28,6 +30,22 @@ class LeftOutErrors:
     """Sum of squared, scaled errors on each chunk, by a model not fitted to it."""
 
     chunks: Array
+
+
+def chunk_count(fitted: FittedModel) -> int:
+    """Return into how many chunks to deal the data, from the model's residuals.
+
+    Windows are independent: their initial states are their own. Within a window a chunk
+    must be several correlation times long, or what is left out is known from its
+    neighbours and errors are counted as independent that are not.
+    """
+    residuals = fitted.optimum.linearisation.residuals
+    windows = fitted.problem.shots.n_windows
+    if windows >= MOST_CHUNKS:
+        return MOST_CHUNKS
+    longest = max(correlation_time(column) for column in residuals.T)
+    independent = len(residuals) // (APART * longest)
+    return int(np.clip(independent, LEAST_CHUNKS, MOST_CHUNKS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,29 +60,29 @@ class Gain:
     p_value: float
 
 
-def chunk_labels(problem: FitProblem) -> NDArray[np.int64]:
+def chunk_labels(problem: FitProblem, chunks: int) -> NDArray[np.int64]:
     """Return for each sample the number of its chunk.
 
     Where there are many windows a chunk is a run of whole windows.
     """
     shots = problem.shots
     n = len(shots.time)
-    if shots.n_windows >= 2 * CHUNKS:
+    if shots.n_windows >= chunks:
         sizes = [part.stop - part.start for part in shots.slices]
-        of_window = np.arange(shots.n_windows) * CHUNKS // shots.n_windows
+        of_window = np.arange(shots.n_windows) * chunks // shots.n_windows
         return np.repeat(of_window, sizes)
-    return np.arange(n, dtype=np.int64) * CHUNKS // n
+    return np.arange(n, dtype=np.int64) * chunks // n
 
 
-def left_out_errors(fitted: FittedModel) -> LeftOutErrors:
+def left_out_errors(fitted: FittedModel, chunks: int) -> LeftOutErrors:
     """Refit without each fold in turn and return the errors on what was left out."""
     problem = fitted.problem
-    labels = chunk_labels(problem)
-    totals = np.zeros(CHUNKS)
+    labels = chunk_labels(problem, chunks)
+    totals = np.zeros(chunks)
     for fold in range(FOLDS):
         test = labels % FOLDS == fold
         squared = _fold_errors(fitted, test)
-        totals += np.bincount(labels, weights=squared * test, minlength=CHUNKS)
+        totals += np.bincount(labels, weights=squared * test, minlength=chunks)
     return LeftOutErrors(totals)
 
 

@@ -17,18 +17,32 @@ from bondgraph.diagnosis.candidates import (
     propose_all,
     screen,
 )
-from bondgraph.diagnosis.decision import Judged, Rule, best_supported, judge
-from bondgraph.diagnosis.evidence import LeftOutErrors, left_out_errors
+from bondgraph.diagnosis.decision import CURVE, Judged, Rule, best_supported, judge
+from bondgraph.diagnosis.evidence import (
+    MOST_CHUNKS,
+    LeftOutErrors,
+    chunk_count,
+    left_out_errors,
+)
 from bondgraph.fitting.estimate import (
     FittedModel,
     Settings,
+    accumulates,
     choose_horizon,
     fit_model,
+    prepare,
 )
-from bondgraph.fitting.horizon import Automatic
+from bondgraph.fitting.horizon import (
+    SHORTEST,
+    Automatic,
+    Horizon,
+    WholeRecordings,
+    Windows,
+)
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
 from bondgraph.physics.library import LIBRARY
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
@@ -121,13 +135,32 @@ def explainable(fitted: FittedModel, noise: Array) -> float:
     return float(np.max(np.where(power > 0.0, share, 0.0), initial=0.0))
 
 
+def search_settings(
+    graph: FinishedGraph, recordings: Sequence[BoundRecording], settings: Settings
+) -> Settings:
+    """Return the settings with a horizon for searching, where it is automatic.
+
+    A plant on which errors accumulate is cut into as many windows as there are chunks:
+    long enough that what is missing stands out of the noise, and independent, so that
+    drift within one window says nothing about another.
+    """
+    if not isinstance(settings.horizon, Automatic):
+        return settings
+    model = prepare(graph)
+    horizon: Horizon = WholeRecordings()
+    if model.n_states and accumulates(graph, model, recordings, settings):
+        samples = sum(len(recording) for recording in recordings) // MOST_CHUNKS
+        horizon = Windows(max(samples, SHORTEST))
+    return replace(settings, horizon=horizon)
+
+
 def sharpened(
     fitted: FittedModel, recordings: Sequence[BoundRecording], options: Options
 ) -> FittedModel:
     """Return the final model refitted over the horizon that suits it.
 
-    The search keeps the horizon of the base model, over which what is missing just
-    shows. The improved model can be followed for longer, which fixes its parameters.
+    The search needs many windows; the parameters need windows over which measurement
+    noise, not what still is left out, makes the residual.
     """
     settings = options.settings
     graph = fitted.graph.with_parameters(fitted.values)
@@ -145,7 +178,12 @@ def _one_round(
         return Round(base)
     if number > options.most_findings:
         return Round(base)
-    hypotheses = propose_all(base, options.library)
+    # After a named law, a free curve would only bend that law a little further.
+    hypotheses = tuple(
+        hypothesis
+        for hypothesis in propose_all(base, options.library)
+        if number == 1 or hypothesis.physics != CURVE
+    )
     screened, rejected = screen(
         base,
         hypotheses,
@@ -154,8 +192,7 @@ def _one_round(
     )
     worth = _worth_judging(screened, base, hypotheses, options)
     judged = _judge_all(worth, base, len(hypotheses), options, number, progress)
-    # After a named law, a free curve would only bend that law a little further.
-    chosen = best_supported(judged, options.rule, curves=number == 1)
+    chosen = best_supported(judged, options.rule)
     return Round(base, len(hypotheses), tuple(judged), screened, rejected, chosen)
 
 
@@ -187,13 +224,15 @@ def _judge_all(
     judged: list[Judged] = []
     if not worth:
         return judged
-    before = left_out_errors(base)
+    best = min(worth, key=lambda candidate: candidate.fitted.optimum.cost)
+    chunks = chunk_count(best.fitted)
+    before = left_out_errors(base, chunks)
     for candidate in map(complete, worth):
         hypothesis = candidate.hypothesis
         progress(f"round {number}: judging {hypothesis.physics} at {hypothesis.place}")
         errors = _twin_errors(candidate, judged)
         if errors is None:
-            errors = left_out_errors(candidate.fitted)
+            errors = left_out_errors(candidate.fitted, chunks)
         judged.append(judge(candidate, before, errors, tried, options.rule))
     return judged
 

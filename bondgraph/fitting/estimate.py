@@ -29,7 +29,7 @@ from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.parameters import Fitted as FittedSource
 
 Array = NDArray[np.float64]
-GROWTH = 1.5
+GROWTH = 1.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -236,25 +236,26 @@ def choose_horizon(
 ) -> Horizon:
     """Return whole recordings, or the window that suits an integrating plant.
 
-    The window is doubled as long as the residual grows by less than half: while
-    measurement noise dominates it stays level, and once what the model leaves out
-    accumulates it grows at least with the square root of two.
+    The window is doubled as long as the residual stays within a tenth of its
+    level over short windows: while measurement noise dominates it is level, and it
+    grows once what the model leaves out accumulates.
     """
     whole = WholeRecordings()
     if model.n_states == 0 or not accumulates(graph, model, recordings, settings):
         return whole
     longest = max(len(recording) for recording in recordings)
     samples = max(SHORTEST, 6 * model.n_states)
-    best, last, theta = Windows(samples), math.inf, None
+    best, lowest, theta = Windows(samples), math.inf, None
     while samples < longest:
         problem = pose(graph, model, cut(recordings, Windows(samples)), settings)
         optimum = solve(problem, theta=theta, iterations=15, tolerance=1e-3)
         theta = optimum.theta
         size = math.sqrt(optimum.linearisation.cost.sum() / problem.shots.outputs.size)
-        if not size <= GROWTH * last:
+        lowest = min(lowest, size)
+        if not size <= GROWTH * lowest:
             return best
-        best, last, samples = Windows(samples), size, 2 * samples
-    return whole
+        best, samples = Windows(samples), 2 * samples
+    return best
 
 
 def accumulates(

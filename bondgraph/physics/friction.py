@@ -144,8 +144,8 @@ class StribeckFriction(AbstractPhysics):
         if not _is_one_junction(place):
             return
         c = place.parameter("coulomb", place.unit(E), low=0.0)
-        rise = place.parameter("stribeck_rise", place.unit(E))
-        at = place.parameter("stribeck_flow", place.unit(F), low=1e-3 * place.flow)
+        rise = place.parameter("stribeck_rise", place.unit(E), low=0.0)
+        at = place.parameter("stribeck_flow", place.unit(F), low=0.02 * place.flow)
         direction, smooth = _direction(place)
         size, extra, width = symbols(c, rise, at)
         law = (size + extra * sympy.exp(-((signals.f / width) ** 2))) * direction
