@@ -637,7 +637,7 @@ def test_a_real_process_with_two_flow_sources_names_the_chain(tmp_path):
 
 
 def test_a_diagnosis_through_the_whole_program_finds_dry_friction(tmp_path, model):
-    # No law of the toolkit: the machine is stepped by hand, ten thousand steps a second.
+    # No law of the toolkit: the machine is stepped by hand, every 0.1 ms.
     def push(path, seed):
         generator = np.random.default_rng(seed)
         force = np.repeat(generator.uniform(-3, 3, 25), 20)
