@@ -83,11 +83,12 @@ def screen(
     worth
         A hypothesis that promises less than this relative reduction is rejected.
     """
-    candidates, rejected = [], []
+    candidates: list[Candidate] = []
+    rejected: list[Rejected] = []
     for hypothesis in hypotheses:
         tick(f"{hypothesis.physics} at {hypothesis.place}")
         try:
-            candidate = _best_start(base, hypothesis, worth)
+            candidate = _best_start(base, hypothesis, worth, candidates)
         except BondGraphError as error:
             rejected.append(Rejected(hypothesis, str(error)))
             continue
@@ -114,11 +115,12 @@ def complete(candidate: Candidate) -> Candidate:
 
 
 def _best_start(
-    base: FittedModel, hypothesis: Hypothesis, worth: float
+    base: FittedModel, hypothesis: Hypothesis, worth: float, known: Sequence[Candidate]
 ) -> Candidate | None:
     """Return the best of short fits from the hypothesis' starts.
 
-    None where even the linearised problem at its weakest start promises a relative
+    A law that extends one already fitted at its place starts from there as well. None
+    where even the linearised problem at the weakest start promises a relative
     reduction below `worth`.
     """
     problem = _problem_of(base, hypothesis)
@@ -127,12 +129,16 @@ def _best_start(
     promise = promised_reduction(problem, starts[0], initial)
     if promise < worth:
         return None
+    begin = [
+        *_from_narrower(hypothesis, problem, starts[0], known),
+        *((theta, initial) for theta in starts),
+    ]
     best: Optimum | None = None
-    for theta in starts:
+    for theta, states in begin:
         found = minimise(
             problem,
             theta,
-            initial,
+            states,
             iterations=SCREENING_ITERATIONS,
             tolerance=TOLERANCE,
         )
@@ -150,6 +156,30 @@ def _best_start(
     return Candidate(
         hypothesis, replace(base, graph=graph, problem=problem, optimum=best)
     )
+
+
+def _from_narrower(
+    hypothesis: Hypothesis,
+    problem: FitProblem,
+    weakest: Array,
+    known: Sequence[Candidate],
+) -> list[tuple[Array, Array]]:
+    """Return the optima of fitted laws that the hypothesis extends at its place.
+
+    Parameters they share by name take the fitted values, the others the weakest start.
+    """
+    names = [problem.model.parameter_names[i] for i in problem.free]
+    found = []
+    for candidate in known:
+        narrower = candidate.hypothesis
+        if narrower.place != hypothesis.place:
+            continue
+        if narrower.physics in hypothesis.extends:
+            values = candidate.fitted.values
+            pairs = zip(names, weakest, strict=True)
+            theta = np.array([values.get(name, value) for name, value in pairs])
+            found.append((theta, candidate.fitted.optimum.initial))
+    return found
 
 
 def _problem_of(base: FittedModel, hypothesis: Hypothesis) -> FitProblem:

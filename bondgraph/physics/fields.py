@@ -4,7 +4,13 @@ from collections.abc import Iterator
 
 import sympy
 
-from bondgraph.physics.friction import E, F, _has_free_linear, _is_one_junction
+from bondgraph.physics.friction import (
+    E,
+    F,
+    has_free_bias,
+    has_free_linear,
+    is_one_junction,
+)
 from bondgraph.physics.hypothesis import (
     AbstractPhysics,
     Hypothesis,
@@ -19,7 +25,7 @@ from bondgraph.structure.signals import displacement
 Q = Quantity.DISPLACEMENT
 
 
-def _displacement_known(place: Place) -> bool:
+def displacement_known(place: Place) -> bool:
     """Return whether the displacement is absolute here: measured, or that of a C.
 
     Elsewhere its origin would be free in every window, which explains too much.
@@ -42,7 +48,7 @@ class QuadraticDrag(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at every 1-junction."""
-        if not _is_one_junction(place):
+        if not is_one_junction(place):
             return
         b = place.parameter("quadratic", place.unit(E, F, 2), low=0.0)
         (coefficient,) = symbols(b)
@@ -71,8 +77,8 @@ class ConstantBias(AbstractPhysics):
     reference = "offset of an actuator, gravity along a straight path"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it at every 1-junction."""
-        if not _is_one_junction(place):
+        """Yield it at 1-junctions that have no fitted constant source."""
+        if not is_one_junction(place) or has_free_bias(place):
             return
         b = place.parameter("bias", place.unit(E))
         (size,) = symbols(b)
@@ -97,9 +103,9 @@ class Gravity(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at rotating 1-junctions whose angle is known."""
-        if not _is_one_junction(place) or place.domain != ROTATION:
+        if not is_one_junction(place) or place.domain != ROTATION:
             return
-        if not _displacement_known(place):
+        if not displacement_known(place):
             return
         a = place.parameter("gravity_sine", place.unit(E))
         b = place.parameter("gravity_cosine", place.unit(E))
@@ -129,9 +135,9 @@ class Spring(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it where the displacement is known and no fitted linear C sits."""
-        if not _is_one_junction(place) or not _displacement_known(place):
+        if not is_one_junction(place) or not displacement_known(place):
             return
-        if _has_free_linear(place, Compliance):
+        if has_free_linear(place, Compliance):
             return
         k = place.parameter("stiffness", place.unit(E, Q), low=0.0)
         offset = place.parameter("spring_offset", place.unit(E))
@@ -164,7 +170,7 @@ class HardeningSpring(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it where the displacement is known."""
-        if not _is_one_junction(place) or not _displacement_known(place):
+        if not is_one_junction(place) or not displacement_known(place):
             return
         k = place.parameter("cubic_stiffness", place.unit(E, Q, 3))
         (stiffness,) = symbols(k)
@@ -194,9 +200,9 @@ class AddedInertia(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at mechanical 1-junctions without a freely fitted linear I."""
-        if not _is_one_junction(place) or place.domain not in (ROTATION, TRANSLATION):
+        if not is_one_junction(place) or place.domain not in (ROTATION, TRANSLATION):
             return
-        if _has_free_linear(place, Inertance):
+        if has_free_linear(place, Inertance):
             return
         momentum = Quantity.MOMENTUM
         name = place.name_of("added_inertia")

@@ -25,7 +25,7 @@ from bondgraph.structure.elements import (
     Transformer,
 )
 from bondgraph.structure.parameters import Parameter
-from bondgraph.structure.signals import effort
+from bondgraph.structure.signals import effort, parameters_in, signals_in
 
 REGULARISATION = 1 / 300
 E, F = Quantity.EFFORT, Quantity.FLOW
@@ -40,7 +40,7 @@ def _direction(place: Place) -> tuple[sympy.Expr, Parameter]:
     return sympy.tanh(signals.f / width), smooth
 
 
-def _is_one_junction(place: Place) -> bool:
+def is_one_junction(place: Place) -> bool:
     return isinstance(place.graph.node(place.name), OneJunction)
 
 
@@ -52,7 +52,7 @@ class ViscousFriction(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it where no fitted linear R sits already."""
-        if not _is_one_junction(place) or _has_free_linear(place, Resistance):
+        if not is_one_junction(place) or has_free_linear(place, Resistance):
             return
         b = place.parameter("viscous", place.unit(E, F), low=0.0)
         (coefficient,) = symbols(b)
@@ -78,7 +78,7 @@ class CoulombFriction(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at every 1-junction."""
-        if not _is_one_junction(place):
+        if not is_one_junction(place):
             return
         c = place.parameter("coulomb", place.unit(E), low=0.0)
         direction, smooth = _direction(place)
@@ -104,8 +104,11 @@ class DirectionDependentFriction(AbstractPhysics):
     reference = "Armstrong-Hélouvry et al., Automatica 30, 1994, section 2"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it at every 1-junction."""
-        if not _is_one_junction(place):
+        """Yield it where no fitted constant source sits.
+
+        Beside one it says nothing of its own: in motion the two are the same.
+        """
+        if not is_one_junction(place) or has_free_bias(place):
             return
         c = place.parameter("coulomb", place.unit(E), low=0.0)
         difference = place.parameter("coulomb_difference", place.unit(E))
@@ -141,7 +144,7 @@ class StribeckFriction(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at every 1-junction."""
-        if not _is_one_junction(place):
+        if not is_one_junction(place):
             return
         c = place.parameter("coulomb", place.unit(E), low=0.0)
         rise = place.parameter("stribeck_rise", place.unit(E), low=0.0)
@@ -175,7 +178,7 @@ class LoadDependentFriction(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield one per load at a 1-junction; the first also with a constant part."""
-        if not _is_one_junction(place):
+        if not is_one_junction(place):
             return
         for number, bond in enumerate(_loads(place)):
             yield self._law(place, bond, constant=False)
@@ -231,7 +234,20 @@ def _loads(place: Place) -> tuple[str, ...]:
     return (*outward, *inward, *driven)[:2]
 
 
-def _has_free_linear(place: Place, kind: type) -> bool:
+def has_free_bias(place: Place) -> bool:
+    """Return whether a constant source with a fitted value sits here."""
+    graph = place.graph
+    for bond in graph.bonds_at(place.name):
+        node = graph.node(bond.other(place.name))
+        if isinstance(node, EffortSource | FlowSource) and node.value is not None:
+            names = parameters_in(node.value)
+            constant = not signals_in(node.value) and names
+            if constant and any(not graph.parameters[n].exact for n in names):
+                return True
+    return False
+
+
+def has_free_linear(place: Place, kind: type) -> bool:
     """Return whether a linear element of `kind` with a fitted value sits here."""
     graph = place.graph
     for bond in graph.bonds_at(place.name):

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import sympy
 
-from bondgraph.physics.friction import E, F, _has_free_linear
+from bondgraph.physics.friction import E, F, has_free_bias, has_free_linear
 from bondgraph.physics.hypothesis import (
     AbstractPhysics,
     Hypothesis,
@@ -27,7 +27,7 @@ class Leak(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at 0-junctions without a freely fitted linear R."""
-        if not _is_zero_junction(place) or _has_free_linear(place, Resistance):
+        if not _is_zero_junction(place) or has_free_linear(place, Resistance):
             return
         g = place.parameter("leak", place.unit(F, E), low=0.0)
         (conductance,) = symbols(g)
@@ -84,8 +84,8 @@ class ConstantFlow(AbstractPhysics):
     reference = "offset of a source; ambient gain"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it at every 0-junction."""
-        if not _is_zero_junction(place):
+        """Yield it at 0-junctions that have no fitted constant source."""
+        if not _is_zero_junction(place) or has_free_bias(place):
             return
         b = place.parameter("bias", place.unit(F))
         (size,) = symbols(b)

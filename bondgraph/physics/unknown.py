@@ -10,8 +10,8 @@ from itertools import pairwise
 
 import sympy
 
-from bondgraph.physics.fields import _displacement_known
-from bondgraph.physics.friction import E, F, _is_one_junction
+from bondgraph.physics.fields import displacement_known
+from bondgraph.physics.friction import E, F, is_one_junction
 from bondgraph.physics.hypothesis import (
     AbstractPhysics,
     Hypothesis,
@@ -38,9 +38,9 @@ class UnknownRelation(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield a curve of each local variable of a junction."""
-        if _is_one_junction(place):
+        if is_one_junction(place):
             yield self._curve(place, signals.f, F, place.flow, KNOTS)
-            if _displacement_known(place):
+            if displacement_known(place):
                 quantity = Quantity.DISPLACEMENT
                 size = place.displacement
                 yield self._curve(place, signals.q, quantity, size, EVEN_KNOTS)
@@ -55,7 +55,7 @@ class UnknownRelation(AbstractPhysics):
         size: float,
         knots: tuple[float, ...],
     ) -> Hypothesis:
-        answer = E if _is_one_junction(place) else F
+        answer = E if is_one_junction(place) else F
         width = place.parameter(f"curve_{quantity}", place.unit(quantity), exact=size)
         heights = [
             place.parameter(f"curve_{i}", place.unit(answer)) for i in range(len(knots))
