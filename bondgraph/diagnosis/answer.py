@@ -1,13 +1,12 @@
 """The answer: what the search found, told in records, numbers and sentences."""
 
 import platform
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from importlib.metadata import version
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bondgraph.diagnosis.decision import Judged, alternatives_to, clearly_better
 from bondgraph.diagnosis.records import (
@@ -15,20 +14,16 @@ from bondgraph.diagnosis.records import (
     Diagnosis,
     Evidence,
     Finding,
-    Verdict,
+    Support,
 )
 from bondgraph.diagnosis.search import Options, Round
 from bondgraph.diagnosis.showing import recovered_law, simulate_whole, traces
+from bondgraph.diagnosis.verdict import noise_floor, verdict_of
 from bondgraph.diagnosis.wording import finding_statement, name_of, next_experiment
 from bondgraph.fitting.estimate import FittedModel, fit_model, report
 from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording
-from bondgraph.recordings.noise import estimate_noise
 from bondgraph.structure.graph import FinishedGraph
-
-Array = NDArray[np.float64]
-ADEQUATE_RATIO = 3.0
-"""A residual below this many times the noise floor needs no more explanation."""
 
 
 def answer(
@@ -43,8 +38,8 @@ def answer(
     base, floor = rounds[0].base, noise_floor(recordings)
     before, after = report(base, graph, recordings), report(final, graph, recordings)
     accepted = [r for r in rounds if r.chosen is not None]
-    findings, others = _findings(accepted, after, options)
-    verdict, statement = _verdict(findings, base, floor, rounds[0])
+    findings, others = _findings(accepted, after, held_out, options)
+    verdict, statement = verdict_of(findings, base, floor, rounds[0])
     candidates = _evidence(rounds)
     shown = [
         recovered_law(r.base, r.chosen.candidate, final, recordings)
@@ -86,9 +81,14 @@ def _delivered(
 
 
 def _findings(
-    accepted: Sequence[Round], after: FitResult, options: Options
-) -> tuple[list[Finding], Mapping[str, Sequence[Judged]]]:
-    findings, others = [], {}
+    accepted: Sequence[Round],
+    after: FitResult,
+    held_out: Sequence[BoundRecording],
+    options: Options,
+) -> tuple[list[Finding], dict[str, Sequence[Judged]]]:
+    """Return the findings, and for each element what the data do not tell from it."""
+    findings: list[Finding] = []
+    others: dict[str, Sequence[Judged]] = {}
     for found in accepted:
         chosen = found.chosen
         assert chosen is not None
@@ -110,7 +110,10 @@ def _findings(
                 statement=finding_statement(chosen, places, close, estimates),
                 law=str(hypothesis.law),
                 indistinguishable_places=places,
-                alternatives=tuple(_as_evidence(j, found.base) for j in close),
+                alternatives=(
+                    *(_shown(j, held_out) for j in close),
+                    *_hardly_supported(found, options, held_out),
+                ),
                 estimates=estimates,
             )
         )
@@ -118,7 +121,40 @@ def _findings(
     return findings, others
 
 
-def _as_evidence(judged: Judged, base: FittedModel) -> Evidence:
+def _shown(judged: Judged, held_out: Sequence[BoundRecording]) -> Evidence:
+    """Return the evidence with its error on the held-out recordings, to show."""
+    simulated = simulate_whole(judged.candidate.fitted, held_out)
+    return replace(_as_evidence(judged), held_out_nrmse=simulated.score.nrmse)
+
+
+def _wider(found: Round, options: Options) -> list[Judged]:
+    """Return judged laws that contain the chosen one and predict no better."""
+    chosen = found.chosen
+    return [
+        j
+        for j in found.judged
+        if chosen is not None
+        and j.place == chosen.place
+        and chosen.physics in j.candidate.hypothesis.extends
+        and not clearly_better(j, chosen, options.rule)
+    ]
+
+
+def _hardly_supported(
+    found: Round, options: Options, held_out: Sequence[BoundRecording]
+) -> list[Evidence]:
+    assert found.chosen is not None
+    reason = (
+        "hardly supported: it does not predict left-out data better than "
+        f"{name_of(found.chosen.physics)}, which it contains"
+    )
+    return [
+        replace(_shown(j, held_out), support=Support.REFUTED, reason=reason)
+        for j in _wider(found, options)
+    ]
+
+
+def _as_evidence(judged: Judged) -> Evidence:
     fitted = judged.candidate.fitted
     residuals = fitted.residuals()
     spread = np.nanstd(fitted.problem.shots.outputs, axis=0)
@@ -138,87 +174,10 @@ def _as_evidence(judged: Judged, base: FittedModel) -> Evidence:
 def _evidence(rounds: Sequence[Round]) -> tuple[Evidence, ...]:
     """Return all judged candidates of all rounds, best first within a round."""
     return tuple(
-        _as_evidence(judged, found.base)
+        _as_evidence(judged)
         for found in rounds
         for judged in sorted(found.judged, key=lambda j: -j.gain.value)
     )
-
-
-def noise_floor(recordings: Sequence[BoundRecording]) -> dict[str, float]:
-    """Return the measurement noise of each output, the largest over recordings."""
-    return {
-        name: max((std for std, _ in _noise(recordings, i)), default=0.0)
-        for i, name in enumerate(recordings[0].output_names)
-    }
-
-
-def white_noise(recordings: Sequence[BoundRecording]) -> Array:
-    """Return the noise of each output where it is certain: 0 unless it looks white.
-
-    Fast motion looks like noise to an estimate that sees one channel; only where the
-    estimate agrees with itself may it excuse a residual.
-    """
-    certain = [
-        [std if white else 0.0 for std, white in _noise(recordings, output)]
-        for output in range(len(recordings[0].output_names))
-    ]
-    return np.array([min(stds, default=0.0) for stds in certain])
-
-
-def _noise(
-    recordings: Sequence[BoundRecording], output: int
-) -> list[tuple[float, bool]]:
-    estimates = [
-        estimate_noise(r.time, r.outputs[:, output]) for r in recordings if not r.steady
-    ]
-    return [(estimate.std, estimate.white) for estimate in estimates]
-
-
-def _verdict(
-    findings: Sequence[Finding],
-    base: FittedModel,
-    floor: Mapping[str, float],
-    first: Round,
-) -> tuple[Verdict, str]:
-    if any(f.physics != "unknown_relation" for f in findings):
-        return Verdict.PHYSICS_MISSING, " ".join(f.statement for f in findings)
-    if findings:
-        return Verdict.UNEXPLAINED, " ".join(f.statement for f in findings)
-    undecided = [j for j in first.judged if j.support.value == "undecided"]
-    ratios = residual_over_noise(base, floor)
-    worst = max(ratios.values(), default=0.0)
-    tried = first.tried
-    if undecided and worst > ADEQUATE_RATIO:
-        names = ", ".join(
-            dict.fromkeys(f"{name_of(j.physics)} at {j.place}" for j in undecided[:3])
-        )
-        return Verdict.CANNOT_TELL, (
-            f"These recordings do not decide: {names} would help, but not reliably on "
-            "data that were left out."
-        )
-    if worst > ADEQUATE_RATIO:
-        return Verdict.UNEXPLAINED, (
-            f"The residual is {worst:.1f} times the measurement noise, and none of the "
-            f"{tried} candidates explains it on data that were left out."
-        )
-    return Verdict.ADEQUATE, (
-        "Nothing is missing that these recordings could show: the residual is "
-        f"{worst:.1f} times the measurement noise, and none of {tried} candidates "
-        "improves the prediction of data that were left out."
-    )
-
-
-def residual_over_noise(
-    fitted: FittedModel, floor: Mapping[str, float]
-) -> dict[str, float]:
-    """Return per output how many times the residual exceeds the noise floor."""
-    rms = np.sqrt(np.nanmean(fitted.residuals() ** 2, axis=0))
-    names = fitted.problem.model.output_names
-    return {
-        name: float(size / floor[name])
-        for name, size in zip(names, rms, strict=True)
-        if floor[name] > 0.0
-    }
 
 
 def _comparison(
@@ -235,7 +194,7 @@ def _blame(first: Round) -> dict[str, float]:
     blame = {junction.name: 0.0 for junction in first.base.graph.junctions}
     for candidate in first.screened:
         place = candidate.hypothesis.place
-        blame[place] = max(blame[place], candidate.reduction(first.base))
+        blame[place] = max(blame[place], min(candidate.reduction(first.base), 1.0))
     return blame
 
 
@@ -250,16 +209,12 @@ def _notes(
                 f"{hypothesis.physics} at {hypothesis.place} was not tried: "
                 f"{rejected.reason}"
             )
-        for judged in found.judged:
-            chosen = found.chosen
-            if chosen is None or judged is chosen:
-                continue
-            wider = chosen.physics in judged.candidate.hypothesis.extends
-            if wider and not clearly_better(judged, chosen, options.rule):
-                notes.append(
-                    f"{_sentence_start(judged)} instead is hardly supported: it does "
-                    f"not predict left-out data better than {name_of(chosen.physics)}."
-                )
+        for judged in _wider(found, options):
+            assert found.chosen is not None
+            notes.append(
+                f"{_sentence_start(judged)} instead is hardly supported: it does not "
+                f"predict left-out data better than {name_of(found.chosen.physics)}."
+            )
     return tuple(dict.fromkeys(notes))
 
 

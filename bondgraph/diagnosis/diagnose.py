@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bondgraph.diagnosis.answer import answer, white_noise
+from bondgraph.diagnosis.answer import answer
 from bondgraph.diagnosis.records import Diagnosis
 from bondgraph.diagnosis.search import (
     Options,
@@ -20,6 +20,7 @@ from bondgraph.diagnosis.search import (
     search_settings,
     sharpened,
 )
+from bondgraph.diagnosis.verdict import white_noise
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import fit_model
 from bondgraph.recordings.binding import BoundRecording

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import stdtr
 
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.levenberg_marquardt import minimise, settle
@@ -126,5 +126,5 @@ def compare(before: LeftOutErrors, after: LeftOutErrors) -> Gain:
     std = float(np.sqrt((n - 1) / n * ((leave_one - leave_one.mean()) ** 2).sum()))
     if std == 0.0:
         return Gain(float(value), 0.0, 0.0 if value > 0 else 1.0)
-    p_value = float(stats.t.sf(value / std, n - 1))
+    p_value = float(stdtr(n - 1, -value / std))
     return Gain(float(value), std, p_value)

@@ -115,9 +115,7 @@ def compile_model(equations: StateEquations) -> NumericModel:
     )
 
 
-def evaluate(
-    model: NumericModel, tape: Tape, variables: Array, directions: Array
-) -> tuple[Array, Array]:
+def evaluate(tape: Tape, variables: Array, directions: Array) -> tuple[Array, Array]:
     """Run one tape at one point.
 
     Parameters

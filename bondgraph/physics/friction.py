@@ -41,6 +41,7 @@ def _direction(place: Place) -> tuple[sympy.Expr, Parameter]:
 
 
 def is_one_junction(place: Place) -> bool:
+    """Return whether the place is a 1-junction."""
     return isinstance(place.graph.node(place.name), OneJunction)
 
 
