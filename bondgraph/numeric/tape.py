@@ -76,7 +76,6 @@ _FOLDED = {
     boolalg.And: Op.AND,
     boolalg.Or: Op.OR,
 }
-_LINEAR_IN_EITHER = frozenset({Op.ADD, Op.SUB})
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +133,7 @@ class _Recorder:
                 "It is neither a state, an input nor a parameter.",
             )
         if expression.is_number or isinstance(expression, sympy.Number):
-            return self.constant(float(expression))
+            return self.constant(_real(expression))
         if isinstance(expression, sympy.Pow):
             return self._power(*expression.as_base_exp())
         if isinstance(expression, sympy.Mul):
@@ -235,6 +234,18 @@ class _Recorder:
         for branch, condition in reversed(cases):
             value = self.emit(Op.SELECT, self.slot(condition), self.slot(branch), value)
         return value
+
+
+def _real(number: sympy.Basic) -> float:
+    """Return a number without symbols as a float, or refuse it."""
+    try:
+        return float(number)
+    except TypeError as error:
+        raise EquationError(
+            f"A law contains {number}, which is not a real number.",
+            (str(number),),
+            "Look for a division by zero, or a root or logarithm of a negative number.",
+        ) from error
 
 
 def record_tape(
