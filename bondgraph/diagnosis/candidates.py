@@ -114,6 +114,44 @@ def complete(candidate: Candidate) -> Candidate:
     return replace(candidate, fitted=replace(fitted, optimum=optimum))
 
 
+def nested(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Return the candidates, a law refitted from a wider one that fits better.
+
+    A law cannot fit worse than a wider one for lack of iterations alone; if its optimum
+    seems to, the wider law's values without the additions are a better start.
+    """
+    improved = list(candidates)
+    for i, narrow in enumerate(candidates):
+        for wide in candidates:
+            contains = narrow.hypothesis.physics in wide.hypothesis.extends
+            here = narrow.hypothesis.place == wide.hypothesis.place
+            if contains and here and _cost(wide) < _cost(improved[i]):
+                improved[i] = _refitted(improved[i], wide)
+    return improved
+
+
+def _cost(candidate: Candidate) -> float:
+    return candidate.fitted.optimum.cost
+
+
+def _refitted(narrow: Candidate, wide: Candidate) -> Candidate:
+    """Return the narrow law fitted from the wide law's values, if that is better."""
+    problem, values = narrow.fitted.problem, wide.fitted.values
+    names = [problem.model.parameter_names[i] for i in problem.free]
+    pairs = zip(names, narrow.fitted.optimum.theta, strict=True)
+    theta = np.array([values.get(name, value) for name, value in pairs])
+    optimum = minimise(
+        problem,
+        theta,
+        wide.fitted.optimum.initial,
+        iterations=FULL_ITERATIONS,
+        tolerance=TOLERANCE,
+    )
+    if optimum.cost >= _cost(narrow):
+        return narrow
+    return replace(narrow, fitted=replace(narrow.fitted, optimum=optimum))
+
+
 def _best_start(
     base: FittedModel, hypothesis: Hypothesis, worth: float, known: Sequence[Candidate]
 ) -> Candidate | None:

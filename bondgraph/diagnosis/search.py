@@ -14,6 +14,7 @@ from bondgraph.diagnosis.candidates import (
     Candidate,
     Rejected,
     complete,
+    nested,
     propose_all,
     screen,
 )
@@ -227,7 +228,7 @@ def _judge_all(
     best = min(worth, key=lambda candidate: candidate.fitted.optimum.cost)
     chunks = chunk_count(best.fitted)
     before = left_out_errors(base, chunks)
-    for candidate in map(complete, worth):
+    for candidate in nested([complete(candidate) for candidate in worth]):
         hypothesis = candidate.hypothesis
         progress(f"round {number}: judging {hypothesis.physics} at {hypothesis.place}")
         errors = _twin_errors(candidate, judged)

@@ -30,6 +30,9 @@ from bondgraph.structure.parameters import Fitted as FittedSource
 
 Array = NDArray[np.float64]
 GROWTH = 1.1
+RESCALINGS = 4
+SAME_SCALE = 0.05
+"""Residual scales within this share of each other weigh the outputs alike."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -209,9 +212,15 @@ def fit_model(
         horizon = choose_horizon(graph, model, recordings, settings)
     problem = pose(graph, model, cut(recordings, horizon), settings, sigma)
     optimum = solve(problem, iterations=settings.iterations)
-    if sigma is None:
-        # The residual scale weighs outputs against each other and against priors.
-        problem = replace(problem, sigma=residual_scale(problem, optimum))
+    # The residual scale weighs outputs against each other and against priors, and so
+    # depends on the optimum that depends on it.
+    for _ in range(RESCALINGS if sigma is None else 0):
+        scale = residual_scale(problem, optimum)
+        if not np.isfinite(scale).all() or np.allclose(
+            scale, problem.sigma, rtol=SAME_SCALE, atol=0.0
+        ):
+            break
+        problem = replace(problem, sigma=scale)
         optimum = solve(
             problem,
             theta=optimum.theta,
@@ -223,7 +232,7 @@ def fit_model(
 
 def residual_scale(problem: FitProblem, optimum: Optimum) -> Array:
     """Return the root mean square residual per output, never zero."""
-    power = np.mean(optimum.linearisation.residuals**2, axis=0)
+    power = np.sum(optimum.linearisation.residuals**2, axis=0) / problem.measured
     scale: Array = problem.sigma * np.sqrt(np.maximum(power, 1e-24))
     return scale
 
@@ -296,8 +305,13 @@ def score(
     shots: Shots,
     residuals: Array,
 ) -> Score:
-    """Return the size of residuals per output, and relative to the outputs' spread."""
-    rmse = np.sqrt(np.nanmean(residuals**2, axis=0))
+    """Return the size of residuals per output, and relative to the outputs' spread.
+
+    Not a number where a measured sample was not simulated.
+    """
+    measured = np.isfinite(shots.outputs)
+    squared = np.where(measured, residuals, 0.0) ** 2
+    rmse = np.sqrt(squared.sum(axis=0) / np.maximum(measured.sum(axis=0), 1))
     spread = np.nanstd(shots.outputs, axis=0)
     relative = rmse / np.where(spread > 0.0, spread, 1.0)
     return Score(
@@ -324,7 +338,7 @@ def report(
                 value=float(value),
                 std=float(std) if math.isfinite(std) else None,
                 unit=fitted.graph.parameters[name].unit,
-                start=float("nan") if first is None else first,
+                start=first,
             )
         )
     return FitResult(

@@ -51,6 +51,12 @@ class FitProblem:
     solver: Solver
     hold: Hold
 
+    @property
+    def measured(self) -> NDArray[np.int64]:
+        """How many samples of each output were measured; at least one."""
+        count: NDArray[np.int64] = np.isfinite(self.shots.outputs).sum(axis=0)
+        return np.maximum(count, 1)
+
     def with_parameters(self, theta: Array) -> Array:
         """Return all parameter values with the free ones set to `theta`."""
         values = self.start.copy()

@@ -28,7 +28,7 @@ class Estimate:
     value: float
     std: float | None
     unit: str
-    start: float
+    start: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

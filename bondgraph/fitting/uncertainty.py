@@ -47,7 +47,7 @@ def uncertainty(problem: FitProblem, optimum: Optimum) -> Uncertainty:
     projected = at.jacobian[:, :, :nq] - np.einsum(
         "njx,nxq->njq", at.jacobian[:, :, nq:], gain[windows]
     )
-    flat = projected.reshape(-1, nq)
+    flat = projected.reshape(at.residuals.size, nq)
     data = flat.T @ flat
     scores = np.einsum("njq,nj->nq", projected, at.residuals)
     hessian = data + np.diag(weight**2)
@@ -55,7 +55,8 @@ def uncertainty(problem: FitProblem, optimum: Optimum) -> Uncertainty:
     inverse = truncated_inverse(hessian, UNIDENTIFIABLE)
     blocks = np.array_split(scores, BLOCKS)
     totals = np.array([block.sum(axis=0) for block in blocks])
-    variance = float((at.residuals**2).sum()) / max(at.residuals.size - nq, 1)
+    count = int(problem.measured.sum())
+    variance = float((at.residuals**2).sum()) / max(count - nq, 1)
     meat = totals.T @ totals * BLOCKS / (BLOCKS - 1) + variance * np.diag(weight**2)
     covariance = inverse @ np.maximum(meat, meat.T) @ inverse
     # White-noise covariance is the floor: few blocks can look better by chance.
