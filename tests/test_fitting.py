@@ -264,17 +264,19 @@ def test_a_static_model_is_linear_regression():
 
 
 def test_prior_knowledge_and_data_are_weighed_by_their_stds():
-    graph = gain_bench(b={"std": 0.05}, bias={"value": 0.4, "std": 0.0})
+    graph = gain_bench(b={"value": 1.6, "std": 0.05}, bias={"value": 0.4, "std": 0.0})
     recording = bench_recording(graph, n=60)
     result = fit(graph, [recording])
+    (sigma,) = fit_model(graph, [recording], Settings()).problem.sigma
     u, y = recording.inputs[:, 0], recording.outputs[:, 0] - 0.4
     found = result.estimate("b")
-    variance = np.mean((y - found.value * u) ** 2)
-    data, prior = u @ u / variance, 1 / 0.05**2
-    expected = ((u @ y) / variance + prior * 1.0) / (data + prior)
-    assert found.value == pytest.approx(expected, rel=2e-3)
-    assert 1.05 < found.value < 1.65
-    assert found.std == pytest.approx(1 / np.sqrt(data + prior), rel=0.5)
+    assert sigma == pytest.approx(np.sqrt(np.mean((y - found.value * u) ** 2)), rel=0.1)
+    data, prior = u @ u / sigma**2, 1 / 0.05**2
+    expected = ((u @ y) / sigma**2 + prior * 1.6) / (data + prior)
+    assert found.value == pytest.approx(expected, rel=1e-5)
+    alone = (u @ y) / (u @ u)
+    assert 0.2 < (found.value - 1.6) / (alone - 1.6) < 0.8
+    assert found.std == pytest.approx(1 / np.sqrt(data + prior), rel=0.3)
 
 
 def test_a_tight_prior_holds_a_parameter():
