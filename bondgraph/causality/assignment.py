@@ -56,7 +56,7 @@ def assign_causality(graph: FinishedGraph) -> CausalAssignment:
 def _choices(board: StrokeBoard) -> list[_Choice]:
     """Return the choices to make, in order of preference."""
     storages: list[tuple[bool, _Choice]] = []
-    resistances: list[tuple[bool, _Choice]] = []
+    resistances: list[tuple[int, _Choice]] = []
     for node, kind in enumerate(board.nodes):
         if isinstance(kind, Inertance | Compliance):
             bond = board.at[node][0]
@@ -68,15 +68,15 @@ def _choices(board: StrokeBoard) -> list[_Choice]:
             written = gives_effort(kind)
             at = board.other(bond, node) if written else node
             choice = (bond, at, Rule.CHOICE, Rule.CHOICE, node)
-            resistances.append((is_invertible(kind), choice))
+            resistances.append((_flexibility(kind), choice))
     # Laws that work one way only choose first (the sort is stable).
-    ordered = sorted(storages, key=lambda item: item[0])
-    ordered += sorted(resistances, key=lambda item: item[0])
+    ordered = [choice for _, choice in sorted(storages, key=lambda item: item[0])]
+    ordered += [choice for _, choice in sorted(resistances, key=lambda item: item[0])]
     inner = [
         (bond, head, Rule.CHOICE, Rule.CHOICE, tail)
         for bond, (tail, head) in enumerate(board.ends)
     ]
-    return [choice for _, choice in ordered] + inner
+    return ordered + inner
 
 
 def _derivative_is_easy(storage: Storage) -> bool:
@@ -105,6 +105,17 @@ def is_invertible(resistance: Resistance) -> bool:
     except EquationError:
         return False
     return True
+
+
+def _flexibility(resistance: Resistance) -> int:
+    """Return how gladly a resistance works either way.
+
+    A law that is written keeps the direction it is written in, where it can: solved for
+    the other variable, a friction that happens to be zero would be divided by.
+    """
+    if not is_invertible(resistance):
+        return 0
+    return 1 if resistance.law is not None else 2
 
 
 def _decide(board: StrokeBoard, choices: list[_Choice]) -> None:

@@ -1,7 +1,7 @@
 """The answer: what the search found, told in records, numbers and sentences."""
 
 import platform
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import version
 from typing import Any
@@ -16,7 +16,7 @@ from bondgraph.diagnosis.records import (
     Finding,
     Support,
 )
-from bondgraph.diagnosis.search import Options, Round
+from bondgraph.diagnosis.search import Options, Round, explainable
 from bondgraph.diagnosis.showing import recovered_law, simulate_whole, traces
 from bondgraph.diagnosis.verdict import noise_floor, verdict_of
 from bondgraph.diagnosis.wording import finding_statement, name_of, next_experiment
@@ -39,7 +39,9 @@ def answer(
     before, after = report(base, graph, recordings), report(final, graph, recordings)
     accepted = [r for r in rounds if r.chosen is not None]
     findings, others = _findings(accepted, after, held_out, options)
-    verdict, statement = verdict_of(findings, base, floor, rounds[0])
+    verdict, statement = verdict_of(
+        findings, base, floor, rounds[0], _remaining(accepted, floor)
+    )
     candidates = _evidence(rounds)
     shown = [
         recovered_law(r.base, r.chosen.candidate, final, recordings)
@@ -178,6 +180,19 @@ def _evidence(rounds: Sequence[Round]) -> tuple[Evidence, ...]:
         for found in rounds
         for judged in sorted(found.judged, key=lambda j: -j.gain.value)
     )
+
+
+def _remaining(accepted: Sequence[Round], floor: Mapping[str, float]) -> float:
+    """Return the share of the left-out error that the findings leave beyond noise."""
+    share = 1.0
+    for found in accepted:
+        assert found.chosen is not None
+        share *= 1.0 - found.chosen.gain.value
+    if not accepted:
+        return share
+    noise = np.array([floor[name] for name in floor])
+    beyond = explainable(accepted[0].base, noise)
+    return max(share - (1.0 - beyond), 0.0) / max(beyond, 1e-12)
 
 
 def _comparison(

@@ -23,6 +23,7 @@ from bondgraph.fitting.levenberg_marquardt import (
 )
 from bondgraph.fitting.problem import FitProblem
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Place
+from bondgraph.structure.edits import InsertElement
 
 Array = NDArray[np.float64]
 SCREENING_ITERATIONS = 4
@@ -165,7 +166,8 @@ def _best_start(
     initial = _initial_states(base, problem.model.state_names)
     starts = _start_values(base, hypothesis, problem)
     promise = promised_reduction(problem, starts[0], initial)
-    if promise < worth:
+    nested_in_base = isinstance(hypothesis.edit, InsertElement)
+    if nested_in_base and promise < worth:
         return None
     begin = [
         *_from_narrower(hypothesis, problem, starts[0], known),
@@ -250,23 +252,10 @@ def _start_values(
 
 
 def _initial_states(base: FittedModel, names: Sequence[str]) -> Array:
-    """Return the base model's initial states, with zeros for new states.
-
-    A displacement that a new C brings along is the one the base model integrated.
-    """
+    """Return the base model's initial states, with zeros for new states."""
     known = dict(
         zip(base.problem.model.state_names, base.optimum.initial.T, strict=True)
     )
-    n = base.problem.shots.n_windows
-    integrators = [
-        name for name in known if name not in names and name.startswith("q_")
-    ]
-    columns = []
-    for name in names:
-        if name in known:
-            columns.append(known[name])
-        elif name.startswith("q_") and len(integrators) == 1:
-            columns.append(known[integrators[0]])
-        else:
-            columns.append(np.zeros(n))
-    return np.column_stack(columns) if columns else np.zeros((n, 0))
+    zeros = np.zeros(base.problem.shots.n_windows)
+    columns = [known.get(name, zeros) for name in names]
+    return np.column_stack(columns) if columns else zeros[:, None][:, :0]

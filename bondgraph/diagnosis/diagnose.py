@@ -20,7 +20,7 @@ from bondgraph.diagnosis.search import (
     search_settings,
     sharpened,
 )
-from bondgraph.diagnosis.verdict import white_noise
+from bondgraph.diagnosis.verdict import excusable
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import fit_model
 from bondgraph.recordings.binding import BoundRecording
@@ -65,7 +65,7 @@ def diagnose(
             (graph.name,),
             "Give start values nearer to the machine, or bounds that keep it finite.",
         )
-    rounds = search(base, white_noise(recordings), chosen, progress)
+    rounds = search(base, excusable(recordings), chosen, progress)
     final = base
     if rounds[-1].base is not base:
         progress("refitting the improved model")

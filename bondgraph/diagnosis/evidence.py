@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.special import stdtr
 
 from bondgraph.fitting.estimate import FittedModel
+from bondgraph.fitting.horizon import SHORTEST
 from bondgraph.fitting.levenberg_marquardt import minimise, settle
 from bondgraph.fitting.problem import FitProblem, linearise_windows
 from bondgraph.fitting.uncertainty import correlation_time
@@ -89,7 +90,12 @@ def left_out_errors(fitted: FittedModel, chunks: int) -> LeftOutErrors:
 def _fold_errors(fitted: FittedModel, test: NDArray[np.bool_]) -> Array:
     """Return the squared error per sample of a fit to the samples not in `test`."""
     problem, optimum = fitted.problem, fitted.optimum
-    masked = np.where(test[:, None], np.nan, problem.shots.outputs)
+    hidden = test.copy()
+    for part in problem.shots.slices:
+        # A window that is trained on later needs its initial state from somewhere.
+        if not test[part].all():
+            hidden[part.start : part.start + SHORTEST] = False
+    masked = np.where(hidden[:, None], np.nan, problem.shots.outputs)
     training = replace(problem, shots=replace(problem.shots, outputs=masked))
     found = minimise(
         training, optimum.theta, optimum.initial, iterations=FOLD_ITERATIONS

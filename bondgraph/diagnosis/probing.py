@@ -18,7 +18,8 @@ from bondgraph.fitting.horizon import Horizon, cut
 from bondgraph.fitting.levenberg_marquardt import settle
 from bondgraph.fitting.problem import truncated_inverse
 from bondgraph.numeric.model import compile_model
-from bondgraph.physics.hypothesis import Scales
+from bondgraph.physics.fields import displacement_known
+from bondgraph.physics.hypothesis import Place, Scales
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.shooting import Shots, shoot
 from bondgraph.structure.domains import Quantity
@@ -180,9 +181,8 @@ def _local_means(
     """Return window means of the local variables, by quantity."""
     own = common_signal(junction)
     wanted = {own.quantity.value: own}
-    position = displacement(junction.name)
-    if any(m.expression.has(position) for m in fitted.graph.measurements):
-        wanted[Quantity.DISPLACEMENT.value] = position
+    if displacement_known(Place(fitted.graph, junction.name, Scales())):
+        wanted[Quantity.DISPLACEMENT.value] = displacement(junction.name)
     moved = replace(
         fitted,
         problem=replace(fitted.problem, shots=shots),

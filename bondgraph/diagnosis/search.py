@@ -116,8 +116,8 @@ def search(
     Parameters
     ----------
     noise
-        Measurement noise per output, 0 where it is not known: what lies within it is
-        not searched for physics.
+        Residual per output that noise excuses, 0 where it is not known: what lies
+        within it is not searched for physics.
     """
     rounds: list[Round] = []
     current = base

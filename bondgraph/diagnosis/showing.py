@@ -15,7 +15,8 @@ from bondgraph.fitting.levenberg_marquardt import settle
 from bondgraph.fitting.result import Score
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.domains import Quantity
-from bondgraph.structure.elements import OneJunction
+from bondgraph.structure.edits import InsertElement
+from bondgraph.structure.elements import EffortSource, FlowSource, OneJunction
 from bondgraph.structure.signals import Signal
 
 Array = NDArray[np.float64]
@@ -103,10 +104,13 @@ def recovered_law(
 
     The signal is recovered with the *final* model's parameters and the candidate's
     element taken out again, so that the cloud shows the law and not the bias that its
-    absence put into other parameters. None where the model has no time.
+    absence put into other parameters. None where the model has no time, or where the
+    candidate replaced a law, so that nothing can be taken out again.
     """
     hypothesis = candidate.hypothesis
     if base.problem.model.n_states == 0 or not hypothesis.depends_on:
+        return None
+    if not isinstance(hypothesis.edit, InsertElement):
         return None
     values = final.values
     graph = base.graph.with_parameters(
@@ -163,11 +167,14 @@ def _curve(
     own = (
         common_signal(junction)
         if argument != Quantity.DISPLACEMENT.value
-        else Signal(Quantity.DISPLACEMENT, hypothesis.element)
+        else Signal(Quantity.DISPLACEMENT, hypothesis.place)
     )
     is_one = isinstance(junction, OneJunction)
     answer = Signal(Quantity.EFFORT if is_one else Quantity.FLOW, hypothesis.element)
     read = probe(final, (own, answer))
+    # A source counts what it gives, an R what it takes.
+    element = final.graph.node(hypothesis.element)
+    sign = -1.0 if isinstance(element, EffortSource | FlowSource) else 1.0
     order = np.argsort(read[own])
     chosen = order[:: max(len(order) // 400, 1)]
-    return read[own][chosen], read[answer][chosen]
+    return read[own][chosen], sign * read[answer][chosen]

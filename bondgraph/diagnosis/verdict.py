@@ -15,9 +15,12 @@ from bondgraph.diagnosis.search import Round
 from bondgraph.diagnosis.wording import name_of
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
-from bondgraph.recordings.noise import estimate_noise
+from bondgraph.recordings.noise import NoiseEstimate, estimate_noise
 
 Array = NDArray[np.float64]
+
+MOST_REMAINING = 0.5
+"""Findings that leave more than this share of the error have not found the cause."""
 
 ADEQUATE_RATIO = 3.0
 """A residual below this many times the noise floor needs no more explanation."""
@@ -26,31 +29,34 @@ ADEQUATE_RATIO = 3.0
 def noise_floor(recordings: Sequence[BoundRecording]) -> dict[str, float]:
     """Return the measurement noise of each output, the largest over recordings."""
     return {
-        name: max((std for std, _ in _noise(recordings, i)), default=0.0)
+        name: max((one.std for one in _noise(recordings, i)), default=0.0)
         for i, name in enumerate(recordings[0].output_names)
     }
 
 
-def white_noise(recordings: Sequence[BoundRecording]) -> Array:
-    """Return the noise of each output where it is certain: 0 unless it looks white.
+def excusable(recordings: Sequence[BoundRecording]) -> Array:
+    """Return per output the residual that noise alone excuses.
 
-    Fast motion looks like noise to an estimate that sees one channel; only where the
-    estimate agrees with itself may it excuse a residual.
+    The noise where it is certain, that is where it looks white: fast motion looks like
+    noise to an estimate that sees one channel. And half a step of a quantised channel,
+    within which rounding follows the motion and looks like physics.
     """
     certain = [
-        [std if white else 0.0 for std, white in _noise(recordings, output)]
+        [_excused(one) for one in _noise(recordings, output)]
         for output in range(len(recordings[0].output_names))
     ]
-    return np.array([min(stds, default=0.0) for stds in certain])
+    return np.array([min(excuses, default=0.0) for excuses in certain])
 
 
-def _noise(
-    recordings: Sequence[BoundRecording], output: int
-) -> list[tuple[float, bool]]:
-    estimates = [
+def _excused(noise: NoiseEstimate) -> float:
+    step = 0.0 if noise.quantisation is None else noise.quantisation
+    return max(noise.std if noise.white else 0.0, step / 2)
+
+
+def _noise(recordings: Sequence[BoundRecording], output: int) -> list[NoiseEstimate]:
+    return [
         estimate_noise(r.time, r.outputs[:, output]) for r in recordings if not r.steady
     ]
-    return [(estimate.std, estimate.white) for estimate in estimates]
 
 
 def verdict_of(
@@ -58,11 +64,25 @@ def verdict_of(
     base: FittedModel,
     floor: Mapping[str, float],
     first: Round,
+    remaining: float,
 ) -> tuple[Verdict, str]:
-    """Return the verdict and the statement that goes with it."""
+    """Return the verdict and the statement that goes with it.
+
+    Parameters
+    ----------
+    remaining
+        Share of the base model's left-out squared error that the findings leave, as
+        far as it is more than noise.
+    """
     told = " ".join(finding.statement for finding in findings)
     if any(finding.physics != CURVE for finding in findings):
-        return Verdict.PHYSICS_MISSING, told
+        if remaining < MOST_REMAINING:
+            return Verdict.PHYSICS_MISSING, told
+        return Verdict.UNEXPLAINED, (
+            f"{told} That explains only {100 * (1 - remaining):.0f} % of the error on "
+            "left-out data: something larger is missing that no law tried here "
+            "describes, and it may be what bends the law above."
+        )
     if findings:
         return Verdict.UNEXPLAINED, told
     ratios = residual_over_noise(base, floor)

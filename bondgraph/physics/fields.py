@@ -40,6 +40,17 @@ def displacement_known(place: Place) -> bool:
     )
 
 
+def restoring(place: Place, name: str, law: sympy.Expr) -> EffortSource:
+    """Return a source whose effort opposes `law`, a law of the displacement q here.
+
+    A C would bring a displacement of its own, with an origin of its own; the effort has
+    to read the one that the place already has.
+    """
+    return EffortSource(
+        name, value=-law.xreplace({signals.q: displacement(place.name)})
+    )
+
+
 class QuadraticDrag(AbstractPhysics):
     """Effort proportional to the square of the flow, against it."""
 
@@ -61,10 +72,7 @@ class QuadraticDrag(AbstractPhysics):
             element=name,
             edit=place.insert(Resistance(name, law=law), b),
             law=law,
-            words=(
-                f"a {place.domain.effort} that grows with the square of "
-                f"{place.domain.flow}"
-            ),
+            words=(f"{place.a(E)} that grows with the square of {place.domain.flow}"),
             depends_on=("flow",),
             starts=({b.name: 0.0}, {b.name: some}),
         )
@@ -116,7 +124,7 @@ class Gravity(AbstractPhysics):
             physics=self.word,
             place=place.name,
             element=name,
-            edit=place.insert(Compliance(name, law=law), a, b),
+            edit=place.insert(restoring(place, name, law), a, b),
             law=law,
             words="the torque of a weight that turns with the shaft",
             depends_on=("displacement",),
@@ -149,11 +157,9 @@ class Spring(AbstractPhysics):
             physics=self.word,
             place=place.name,
             element=name,
-            edit=place.insert(Compliance(name, law=law), k, offset),
+            edit=place.insert(restoring(place, name, law), k, offset),
             law=law,
-            words=(
-                f"a {place.domain.effort} proportional to {place.domain.displacement}"
-            ),
+            words=(f"{place.a(E)} proportional to {place.domain.displacement}"),
             depends_on=("displacement",),
             starts=(
                 {k.name: 0.0, offset.name: 0.0},
@@ -181,11 +187,10 @@ class HardeningSpring(AbstractPhysics):
             physics=self.word,
             place=place.name,
             element=name,
-            edit=place.insert(Compliance(name, law=law), k),
+            edit=place.insert(restoring(place, name, law), k),
             law=law,
             words=(
-                f"a {place.domain.effort} that grows with the cube of "
-                f"{place.domain.displacement}"
+                f"{place.a(E)} that grows with the cube of {place.domain.displacement}"
             ),
             depends_on=("displacement",),
             starts=({k.name: 0.0}, {k.name: some}),

@@ -65,7 +65,7 @@ class ViscousFriction(AbstractPhysics):
             element=name,
             edit=place.insert(Resistance(name, law=law), b),
             law=law,
-            words=f"a {place.domain.effort} proportional to {place.domain.flow}",
+            words=f"{place.a(E)} proportional to {place.domain.flow}",
             depends_on=("flow",),
             starts=({b.name: 0.0}, {b.name: 0.2 * place.effort / place.flow}),
         )
@@ -92,7 +92,7 @@ class CoulombFriction(AbstractPhysics):
             element=name,
             edit=place.insert(Resistance(name, law=law), c, smooth),
             law=law,
-            words=f"a {place.domain.effort} of constant size against the motion",
+            words=f"{place.a(E)} of constant size against the motion",
             depends_on=("flow",),
             starts=({c.name: 0.0}, {c.name: 0.3 * place.effort}),
         )
@@ -125,7 +125,7 @@ class DirectionDependentFriction(AbstractPhysics):
             edit=place.insert(Resistance(name, law=law), c, difference, smooth),
             law=law,
             words=(
-                f"a {place.domain.effort} against the motion, larger in one direction "
+                f"{place.a(E)} against the motion, larger in one direction "
                 "than in the other"
             ),
             depends_on=("flow",),
@@ -161,7 +161,7 @@ class StribeckFriction(AbstractPhysics):
             element=name,
             edit=place.insert(Resistance(name, law=law), c, rise, at, smooth),
             law=law,
-            words=f"a {place.domain.effort} against the motion that falls with speed",
+            words=f"{place.a(E)} against the motion that falls with speed",
             depends_on=("flow",),
             starts=tuple(
                 {c.name: size, rise.name: size, at.name: share * place.flow}
@@ -204,7 +204,7 @@ class LoadDependentFriction(AbstractPhysics):
             edit=place.insert(Resistance(name, law=law), *parameters),
             law=law,
             words=(
-                f"a {effort_word} against the motion that "
+                f"{place.a(E)} against the motion that "
                 f"{'has a constant part and ' if constant else ''}grows with the "
                 f"{effort_word} transmitted through {bond}"
             ),

@@ -99,6 +99,11 @@ class Place:
         """Typical displacement."""
         return self.scales.at(Quantity.DISPLACEMENT, self.name)
 
+    def a(self, quantity: Quantity) -> str:
+        """Return what `quantity` is called here, with its article."""
+        word = self.domain.word(quantity)
+        return f"{'an' if word[0] in 'aeiou' else 'a'} {word}"
+
     def unit(
         self, above: Quantity, below: Quantity | None = None, power: int = 1
     ) -> str:

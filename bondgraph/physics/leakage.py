@@ -4,7 +4,13 @@ from collections.abc import Iterator
 
 import sympy
 
-from bondgraph.physics.friction import E, F, has_free_bias, has_free_linear
+from bondgraph.physics.friction import (
+    E,
+    F,
+    has_free_bias,
+    has_free_linear,
+    is_one_junction,
+)
 from bondgraph.physics.hypothesis import (
     AbstractPhysics,
     Hypothesis,
@@ -12,7 +18,10 @@ from bondgraph.physics.hypothesis import (
     symbols,
 )
 from bondgraph.structure import signals
+from bondgraph.structure.domains import ANALOGUE, HYDRAULIC
+from bondgraph.structure.edits import ReplaceRelation
 from bondgraph.structure.elements import FlowSource, Resistance, ZeroJunction
+from bondgraph.structure.parameters import Parameter
 
 
 def _is_zero_junction(place: Place) -> bool:
@@ -39,7 +48,7 @@ class Leak(AbstractPhysics):
             element=name,
             edit=place.insert(Resistance(name, law=law), g),
             law=law,
-            words=f"a {place.domain.flow} lost in proportion to {place.domain.effort}",
+            words=f"{place.a(F)} lost in proportion to {place.domain.effort}",
             depends_on=("effort",),
             starts=({g.name: 0.0}, {g.name: 0.2 * place.flow / place.effort}),
         )
@@ -58,12 +67,7 @@ class SquareRootOrifice(AbstractPhysics):
         k = place.parameter("orifice", place.unit(F), low=0.0)
         at = place.parameter("orifice_effort", place.unit(E), exact=place.effort)
         coefficient, typical = symbols(k, at)
-        relative = signals.e / typical
-        law = (
-            coefficient
-            * relative
-            / (relative**2 + sympy.Float(1e-6)) ** sympy.Rational(1, 4)
-        )
+        law = coefficient * _smooth_root(signals.e / typical)
         name = place.name_of("square_root_orifice")
         yield Hypothesis(
             physics=self.word,
@@ -71,10 +75,69 @@ class SquareRootOrifice(AbstractPhysics):
             element=name,
             edit=place.insert(Resistance(name, law=law), k, at),
             law=law,
-            words=f"a {place.domain.flow} lost with the root of {place.domain.effort}",
+            words=f"{place.a(F)} lost with the root of {place.domain.effort}",
             depends_on=("effort",),
             starts=({k.name: 0.0}, {k.name: 0.3 * place.flow}),
         )
+
+
+class SquareLaw(AbstractPhysics):
+    """A linear resistance that is a square law: effort grows with the flow squared.
+
+    The outlet of a tank, a turbulent pipe, a fan: the linear law is replaced, since the
+    two do not act side by side.
+    """
+
+    word = "square_root_orifice"
+    reference = "Torricelli 1643; turbulent pressure loss"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it for every fitted linear R of a hydraulic or analogue junction."""
+        graph = place.graph
+        if place.domain not in (HYDRAULIC, ANALOGUE):
+            return
+        for bond in graph.bonds_at(place.name):
+            node = graph.node(bond.other(place.name))
+            linear = isinstance(node, Resistance) and node.law is None
+            if linear and not graph.parameters[node.name].exact:
+                yield self._replaced(place, node.name)
+
+    def _replaced(self, place: Place, resistance: str) -> Hypothesis:
+        """Write the law in the variable that the junction gives."""
+        linear = place.graph.parameters[resistance].value or 1.0
+        if is_one_junction(place):
+            k = place.parameter(f"{resistance}_square", place.unit(E, F, 2), low=0.0)
+            (coefficient,) = symbols(k)
+            law = coefficient * signals.f * sympy.Abs(signals.f)
+            start = linear / place.flow
+            parameters: tuple[Parameter, ...] = (k,)
+        else:
+            k = place.parameter(f"{resistance}_flow", place.unit(F), low=0.0)
+            at = place.parameter(
+                f"{resistance}_effort", place.unit(E), exact=place.effort
+            )
+            coefficient, typical = symbols(k, at)
+            law = coefficient * _smooth_root(signals.e / typical)
+            start = place.effort / linear
+            parameters = (k, at)
+        return Hypothesis(
+            physics=self.word,
+            place=place.name,
+            element=resistance,
+            edit=ReplaceRelation(resistance, law, parameters),
+            law=law,
+            words=(
+                f"{resistance} passes {place.a(F)} that grows with the root of "
+                f"{place.domain.effort}, not in proportion to it"
+            ),
+            depends_on=("effort",),
+            starts=({k.name: start},),
+        )
+
+
+def _smooth_root(x: sympy.Expr) -> sympy.Expr:
+    """Return the signed square root of x, smooth within 0.1 % of its range."""
+    return x / (x**2 + sympy.Float(1e-6)) ** sympy.Rational(1, 4)
 
 
 class ConstantFlow(AbstractPhysics):

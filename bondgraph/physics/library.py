@@ -19,7 +19,12 @@ from bondgraph.physics.friction import (
     ViscousFriction,
 )
 from bondgraph.physics.hypothesis import AbstractPhysics
-from bondgraph.physics.leakage import ConstantFlow, Leak, SquareRootOrifice
+from bondgraph.physics.leakage import (
+    ConstantFlow,
+    Leak,
+    SquareLaw,
+    SquareRootOrifice,
+)
 from bondgraph.physics.unknown import UnknownRelation
 
 LIBRARY: tuple[AbstractPhysics, ...] = (
@@ -35,6 +40,7 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     HardeningSpring(),
     AddedInertia(),
     Leak(),
+    SquareLaw(),
     SquareRootOrifice(),
     ConstantFlow(),
     UnknownRelation(),

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import sympy
 
-from bondgraph.physics.fields import displacement_known
+from bondgraph.physics.fields import displacement_known, restoring
 from bondgraph.physics.friction import E, F, is_one_junction
 from bondgraph.physics.hypothesis import (
     AbstractPhysics,
@@ -20,7 +20,7 @@ from bondgraph.physics.hypothesis import (
 )
 from bondgraph.structure import signals
 from bondgraph.structure.domains import Quantity
-from bondgraph.structure.elements import Compliance, Resistance
+from bondgraph.structure.elements import OnePort, Resistance
 from bondgraph.structure.parameters import Parameter
 
 KNOTS = (-2.0, -1.0, -0.3, -0.03, 0.03, 0.3, 1.0, 2.0)
@@ -63,15 +63,19 @@ class UnknownRelation(AbstractPhysics):
         (scale,) = symbols(width)
         law = _interpolation(variable / scale, knots, heights)
         name = place.name_of(f"unknown_{quantity}")
-        kind = Compliance if quantity is Quantity.DISPLACEMENT else Resistance
+        element: OnePort
+        if quantity is Quantity.DISPLACEMENT:
+            element = restoring(place, name, law)
+        else:
+            element = Resistance(name, law=law)
         return Hypothesis(
             physics=self.word,
             place=place.name,
             element=name,
-            edit=place.insert(kind(name, law=law), *heights, width),
+            edit=place.insert(element, *heights, width),
             law=law,
             words=(
-                f"a {place.domain.word(answer)} that is an unnamed function of "
+                f"{place.a(answer)} that is an unnamed function of "
                 f"{place.domain.word(quantity)}"
             ),
             depends_on=(quantity.value,),
