@@ -30,6 +30,7 @@ SCREENING_ITERATIONS = 4
 FULL_ITERATIONS = 30
 TOLERANCE = 1e-4
 KEPT_PROMISE = 0.8
+RELATIVE_BETTER = 0.99
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,41 +117,53 @@ def complete(candidate: Candidate) -> Candidate:
 
 
 def nested(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Return the candidates, a law refitted from a wider one that fits better.
+    """Return the candidates, each refitted from relatives that fit better.
 
-    A law cannot fit worse than a wider one for lack of iterations alone; if its optimum
-    seems to, the wider law's values without the additions are a better start.
+    What seems a worse law may be a fit that ended too early. A wider law's values
+    without its additions, and the same law's at another place, are better starts.
     """
     improved = list(candidates)
-    for i, narrow in enumerate(candidates):
-        for wide in candidates:
-            contains = narrow.hypothesis.physics in wide.hypothesis.extends
-            here = narrow.hypothesis.place == wide.hypothesis.place
-            if contains and here and _cost(wide) < _cost(improved[i]):
-                improved[i] = _refitted(improved[i], wide)
+    for i, own in enumerate(candidates):
+        for other in candidates:
+            better = _cost(other) < RELATIVE_BETTER * _cost(improved[i])
+            if better and _related(own, other):
+                improved[i] = _refitted(improved[i], other)
     return improved
+
+
+def _related(own: Candidate, other: Candidate) -> bool:
+    """Return whether `other` is a wider law here, or the same law elsewhere."""
+    a, b = own.hypothesis, other.hypothesis
+    if a.place == b.place:
+        return a.physics in b.extends
+    return a.physics == b.physics and own.complexity == other.complexity
 
 
 def _cost(candidate: Candidate) -> float:
     return candidate.fitted.optimum.cost
 
 
-def _refitted(narrow: Candidate, wide: Candidate) -> Candidate:
-    """Return the narrow law fitted from the wide law's values, if that is better."""
-    problem, values = narrow.fitted.problem, wide.fitted.values
+def _refitted(own: Candidate, other: Candidate) -> Candidate:
+    """Return `own` fitted from the other's shared values, if that is better."""
+    problem, values = own.fitted.problem, {**other.fitted.values}
+    twins = zip(own.hypothesis.parameters, other.hypothesis.parameters, strict=False)
+    for name, twin in twins:
+        # A coefficient without a unit is the same seen from either side of a gear.
+        if own.fitted.graph.parameters[name].unit == "1":
+            values.setdefault(name, values[twin])
     names = [problem.model.parameter_names[i] for i in problem.free]
-    pairs = zip(names, narrow.fitted.optimum.theta, strict=True)
+    pairs = zip(names, own.fitted.optimum.theta, strict=True)
     theta = np.array([values.get(name, value) for name, value in pairs])
     optimum = minimise(
         problem,
         theta,
-        wide.fitted.optimum.initial,
+        other.fitted.optimum.initial,
         iterations=FULL_ITERATIONS,
         tolerance=TOLERANCE,
     )
-    if optimum.cost >= _cost(narrow):
-        return narrow
-    return replace(narrow, fitted=replace(narrow.fitted, optimum=optimum))
+    if optimum.cost >= _cost(own):
+        return own
+    return replace(own, fitted=replace(own.fitted, optimum=optimum))
 
 
 def _best_start(
