@@ -1,0 +1,1 @@
+"""Benchmarks: scripts that print tables; run one as ``python -m benchmarks.NAME``."""
