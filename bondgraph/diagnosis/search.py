@@ -48,7 +48,7 @@ from bondgraph.structure.graph import FinishedGraph
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
 
-HOPELESS = 0.6
+HOPELESS = 0.75
 """A candidate with less than this share of the best reduction is not judged."""
 
 TWINS = 1e-3
@@ -76,7 +76,7 @@ class Options:
     settings: Settings = field(default_factory=Settings)
     rule: Rule = field(default_factory=Rule)
     library: tuple[AbstractPhysics, ...] = LIBRARY
-    judged: int = 12
+    judged: int = 10
     most_findings: int = 3
 
 

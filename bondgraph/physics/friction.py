@@ -5,6 +5,7 @@ typical one; that flow is a parameter of the inserted element, marked exact.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import sympy
 
@@ -115,7 +116,7 @@ class DirectionDependentFriction(AbstractPhysics):
         difference = place.parameter("coulomb_difference", place.unit(E))
         direction, smooth = _direction(place)
         size, half = symbols(c, difference)
-        law = size * direction + half * direction**2
+        law = size * direction + half * sympy.Abs(direction)
         name = place.name_of("direction_dependent_friction")
         some = 0.3 * place.effort
         yield Hypothesis(
@@ -178,25 +179,27 @@ class LoadDependentFriction(AbstractPhysics):
     reference = "Amontons' law; Duclusaud et al., ICRA 2025 (arXiv 2410.08650)"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield one per load at a 1-junction; the first also with a constant part."""
+        """Yield two per load at a 1-junction: without and with a constant part."""
         if not is_one_junction(place):
             return
-        for number, bond in enumerate(_loads(place)):
-            yield self._law(place, bond, constant=False)
-            if number == 0:
-                yield self._law(place, bond, constant=True)
+        for load in _loads(place):
+            yield self._law(place, load, constant=False)
+            yield self._law(place, load, constant=True)
 
-    def _law(self, place: Place, bond: str, *, constant: bool) -> Hypothesis:
+    def _law(self, place: Place, load: "_Load", *, constant: bool) -> Hypothesis:
         mu = place.parameter("mu", "1", low=0.0)
         c = place.parameter("coulomb", place.unit(E), low=0.0)
         direction, smooth = _direction(place)
         coefficient, size = symbols(mu, c)
-        load = coefficient * sympy.Abs(effort(bond))
-        law = (size + load if constant else load) * direction
         name = place.name_of("load_dependent_friction")
-        effort_word = place.domain.effort
+        carried = (
+            effort(load.bond) - effort(name) if load.less_own else effort(load.bond)
+        )
+        proportional = coefficient * sympy.Abs(carried)
+        law = (size + proportional if constant else proportional) * direction
         constants: dict[str, float] = {c.name: 0.3 * place.effort} if constant else {}
         parameters = (mu, c, smooth) if constant else (mu, smooth)
+        passed = "passed on from" if load.less_own else "transmitted through"
         return Hypothesis(
             physics=self.word,
             place=place.name,
@@ -206,9 +209,9 @@ class LoadDependentFriction(AbstractPhysics):
             words=(
                 f"{place.a(E)} against the motion that "
                 f"{'has a constant part and ' if constant else ''}grows with the "
-                f"{effort_word} transmitted through {bond}"
+                f"{place.domain.effort} {passed} {load.bond}"
             ),
-            depends_on=("flow", f"effort({bond})"),
+            depends_on=("flow", f"effort({load.bond})"),
             starts=tuple(
                 {mu.name: value, **constants}
                 for value in ((0.0, 0.2) if constant else (0.0, 0.1, 0.3))
@@ -217,22 +220,33 @@ class LoadDependentFriction(AbstractPhysics):
         )
 
 
-def _loads(place: Place) -> tuple[str, ...]:
-    """Return at most two bonds whose effort may load the contact.
+@dataclass(frozen=True, slots=True)
+class _Load:
+    """What presses the contact: the effort of a bond, or what friction leaves of it."""
 
-    What a two-port carries on comes first, then what one brings, then driven sources.
+    bond: str
+    less_own: bool = False
+
+
+def _loads(place: Place) -> tuple[_Load, ...]:
+    """Return at most two efforts that may load the contact.
+
+    What a two-port carries on comes first; where the chain ends, what arrives less the
+    friction itself is the same thing; then what arrives, then driven sources.
     """
     graph = place.graph
-    outward: list[str] = []
-    inward: list[str] = []
-    driven: list[str] = []
+    outward: list[_Load] = []
+    inward: list[_Load] = []
+    driven: list[_Load] = []
     for bond in graph.bonds_at(place.name):
         other = graph.node(bond.other(place.name))
+        load = _Load(bond.name)
         if isinstance(other, Transformer | Gyrator):
-            (outward if bond.tail == place.name else inward).append(bond.name)
+            (outward if bond.tail == place.name else inward).append(load)
         elif isinstance(other, EffortSource | FlowSource) and other.value is None:
-            driven.append(bond.name)
-    return (*outward, *inward, *driven)[:2]
+            driven.append(load)
+    passed = [] if outward else [_Load(load.bond, less_own=True) for load in inward]
+    return (*outward, *passed, *inward, *driven)[:2]
 
 
 def has_free_bias(place: Place) -> bool:
