@@ -16,6 +16,7 @@ from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import prepare
 from bondgraph.loading import load_model
 from bondgraph.recordings.binding import bind, read_bound
+from bondgraph.recordings.model_channels import read_for
 from bondgraph.recordings.recording import Recording
 from bondgraph.recordings.windows import split
 
@@ -234,3 +235,50 @@ def test_one_payload_cannot_tell_load_from_direction():
 def test_probing_adds_no_equation():
     graph = free_cart()
     assert prepare(graph).n_states == 2
+
+
+@real
+def test_silverbox_hardens():
+    graph = load_model(str(ROOT / "examples/recordings/silverbox.py"))
+    recording = read_for(graph, RECORDINGS / "silverbox/multisine_1_to_9.csv")
+    training, held_out = recording.part(0, 2 * 8192), recording.part(6 * 8192, 9 * 8192)
+    diagnosis = diagnose(graph, [training], held_out=[held_out])
+    (finding,) = diagnosis.findings
+    assert (finding.physics, finding.place) == ("hardening_spring", "mass")
+    assert diagnosis.held_out.after.rmse["response"] < 1.4e-3
+    assert diagnosis.held_out.before.rmse["response"] > 6e-3
+
+
+@real
+def test_a_damper_with_memory_is_not_called_coulomb():
+    graph = load_model(str(ROOT / "examples/recordings/damper.py"))
+    training, held_out = (
+        read_for(graph, RECORDINGS / f"damper/sine_{speed}Hz_tension35lb.csv")
+        for speed in ("0p5", "1")
+    )
+    training = training.part(len(training) // 2, len(training))
+    diagnosis = diagnose(graph, [training], held_out=[held_out])
+    assert diagnosis.verdict is Verdict.UNEXPLAINED, diagnosis.statement
+    assert "Coulomb" not in diagnosis.statement
+
+
+@real
+def test_a_draining_tank_follows_torricelli():
+    graph = load_model(str(ROOT / "examples/recordings/draining_tank.py"))
+    training, held_out = (
+        _draining(graph, name, start)
+        for name, start in (("train", 61.0), ("test", 68.0))
+    )
+    diagnosis = diagnose(graph, [training], held_out=[held_out])
+    (finding,) = diagnosis.findings
+    assert (finding.physics, finding.place) == ("square_root_orifice", "tank")
+    assert diagnosis.held_out.after.rmse["level"] < 0.005  # m, the README's
+
+
+def _draining(graph, name, start):
+    """Return every 20th sample from the first second of draining down to 4 cm."""
+    recording = read_for(graph, RECORDINGS / f"draining_tank/empty_{name}.csv")
+    level = recording.output("level")
+    first = int(np.searchsorted(recording.time, start + 2))
+    last = int(np.argmax((level < 0.04) & (recording.time > start + 100)))
+    return recording.rows(list(range(first, last, 20)))

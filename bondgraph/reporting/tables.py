@@ -124,12 +124,14 @@ def candidates_table(
     candidates: Iterable[Evidence], *, colour: bool = False, width: int | None = None
 ) -> str:
     """Return what a diagnosis considered, with its evidence, in the given order."""
+    listed = tuple(candidates)
+    shown = any(one.held_out_nrmse is not None for one in listed)
     columns = (
         _Column("physics"),
         _Column("at"),
         _Column("support"),
         _Column("gain", numeric=True),
-        _Column("held-out error", numeric=True),
+        *((_Column("held-out error", numeric=True),) if shown else ()),
         _Column("why"),
     )
     rows = [
@@ -138,10 +140,10 @@ def candidates_table(
             _Cell(one.place),
             _Cell(one.support.value, _STYLES[one.support]),
             _Cell(f"{with_deviation(100 * one.gain, 100 * one.gain_std)} %"),
-            _Cell(percent(one.held_out_nrmse)),
+            *((_Cell(percent(one.held_out_nrmse)),) if shown else ()),
             _Cell(one.reason, "dim"),
         )
-        for one in candidates
+        for one in listed
     ]
     return _table(columns, rows, colour=colour, width=width)
 

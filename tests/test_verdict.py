@@ -1,0 +1,37 @@
+"""A law that explains little of a large error is not called the cause."""
+
+import numpy as np
+import pytest
+from handmade_diagnosis import cart_diagnosis
+
+from bondgraph.diagnosis.records import Verdict
+from bondgraph.diagnosis.search import Round
+from bondgraph.diagnosis.verdict import excusable, verdict_of
+from bondgraph.recordings.binding import bind
+from bondgraph.recordings.recording import Recording
+
+
+@pytest.mark.parametrize(
+    ("remaining", "verdict"),
+    [(0.0, Verdict.PHYSICS_MISSING), (0.8, Verdict.UNEXPLAINED)],
+)
+def test_what_explains_less_than_half_is_not_the_cause(remaining, verdict):
+    findings = cart_diagnosis().findings
+    answer, statement = verdict_of(findings, None, {}, Round(None), remaining)
+    assert answer is verdict
+    assert findings[0].statement in statement
+    assert ("only 20 %" in statement) == (verdict is Verdict.UNEXPLAINED)
+
+
+def _recorded(values):
+    time = np.arange(len(values)) * 0.01
+    recording = Recording.from_arrays("slow", time, {"x": (values, "m")})
+    return bind(recording, {}, {"x": "m"})
+
+
+def test_white_noise_and_half_a_quantisation_step_are_excused():
+    slow = np.sin(np.arange(4000) * 0.002)
+    noisy = slow + 1e-3 * np.random.default_rng(0).standard_normal(4000)
+    assert excusable([_recorded(noisy)])[0] == pytest.approx(1e-3, rel=0.1)
+    stepped = np.round(slow / 0.02) * 0.02
+    assert excusable([_recorded(stepped)])[0] == pytest.approx(0.01, rel=0.05)
