@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from bondgraph import GY, TF, BondGraph, C, FinishedGraph, I, R, Se, Sf, derive
 from bondgraph.numeric.model import NumericModel, compile_model
-from bondgraph.physics.friction import has_free_bias, has_free_linear
-from bondgraph.physics.hypothesis import Hypothesis, Place, Scales
+from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.library import LIBRARY
+from bondgraph.physics.place import Place, Scales
 from bondgraph.simulation.shooting import Shots, shoot
 from bondgraph.simulation.solvers import Hold, Sdirk2
 from bondgraph.structure.domains import DOMAINS
@@ -392,7 +392,7 @@ def test_a_linear_element_with_a_free_value_is_not_proposed_again(word):
         g.parameter("J", 1.0, _linear_unit(I if word != "leak" else C, domain), std=0.0)
         graph = g.finish()
         place = Place(graph, "axle", Scales())
-        assert has_free_linear(place, kind) is (std is None)
+        assert place.has_free_linear(kind) is (std is None)
         return words_at(graph)
 
     assert word not in words(std=None)
@@ -427,7 +427,7 @@ def test_a_fitted_constant_source_is_a_bias_already():
     bias = sympy.Symbol("bias")
 
     def state(graph):
-        return has_free_bias(Place(graph, "cart", Scales())), words_at(graph)
+        return Place(graph, "cart", Scales()).has_free_bias, words_at(graph)
 
     free, words = state(biased(bias))
     assert free
@@ -437,7 +437,7 @@ def test_a_fitted_constant_source_is_a_bias_already():
         assert not free
         assert {"constant_bias", "direction_dependent_friction"} <= words
     assert state(biased(bias, std=0.1))[0]
-    assert not has_free_bias(Place(slider(), "carriage", Scales()))
+    assert not Place(slider(), "carriage", Scales()).has_free_bias
 
 
 def test_a_bias_that_was_inserted_is_not_proposed_twice():
@@ -445,7 +445,7 @@ def test_a_bias_that_was_inserted_is_not_proposed_twice():
         if hypothesis.physics == "constant_bias":
             edited = hypothesis.apply(MACHINES[name])
             place = Place(edited, hypothesis.place, SCALES[name])
-            assert has_free_bias(place)
+            assert place.has_free_bias
             assert not list(physics.propose(place))
 
 

@@ -22,7 +22,8 @@ from bondgraph.fitting.levenberg_marquardt import (
     promised_reduction,
 )
 from bondgraph.fitting.problem import FitProblem
-from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Place
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
+from bondgraph.physics.place import Place
 from bondgraph.structure.edits import InsertElement
 
 Array = NDArray[np.float64]

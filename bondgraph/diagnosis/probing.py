@@ -18,8 +18,7 @@ from bondgraph.fitting.horizon import Horizon, cut
 from bondgraph.fitting.levenberg_marquardt import settle
 from bondgraph.fitting.problem import truncated_inverse
 from bondgraph.numeric.model import compile_model
-from bondgraph.physics.fields import displacement_known
-from bondgraph.physics.hypothesis import Place, Scales
+from bondgraph.physics.place import Place, Scales
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.shooting import Shots, shoot
 from bondgraph.structure.domains import Quantity
@@ -181,7 +180,7 @@ def _local_means(
     """Return window means of the local variables, by quantity."""
     own = common_signal(junction)
     wanted = {own.quantity.value: own}
-    if displacement_known(Place(fitted.graph, junction.name, Scales())):
+    if Place(fitted.graph, junction.name, Scales()).displacement_known:
         wanted[Quantity.DISPLACEMENT.value] = displacement(junction.name)
     moved = replace(
         fitted,

@@ -4,40 +4,14 @@ from collections.abc import Iterator
 
 import sympy
 
-from bondgraph.physics.friction import (
-    E,
-    F,
-    has_free_bias,
-    has_free_linear,
-    is_one_junction,
-)
-from bondgraph.physics.hypothesis import (
-    AbstractPhysics,
-    Hypothesis,
-    Place,
-    symbols,
-)
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
+from bondgraph.physics.place import E, F, Place, symbols
 from bondgraph.structure import signals
 from bondgraph.structure.domains import ROTATION, TRANSLATION, Quantity
 from bondgraph.structure.elements import Compliance, EffortSource, Inertance, Resistance
 from bondgraph.structure.signals import displacement
 
 Q = Quantity.DISPLACEMENT
-
-
-def displacement_known(place: Place) -> bool:
-    """Return whether the displacement is absolute here: measured, or that of a C.
-
-    Elsewhere its origin would be free in every window, which explains too much.
-    """
-    graph = place.graph
-    own = displacement(place.name)
-    if any(m.expression.has(own) for m in graph.measurements):
-        return True
-    return any(
-        isinstance(graph.node(bond.other(place.name)), Compliance)
-        for bond in graph.bonds_at(place.name)
-    )
 
 
 def restoring(place: Place, name: str, law: sympy.Expr) -> EffortSource:
@@ -59,7 +33,7 @@ class QuadraticDrag(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at every 1-junction."""
-        if not is_one_junction(place):
+        if not place.is_one_junction:
             return
         b = place.parameter("quadratic", place.unit(E, F, 2), low=0.0)
         (coefficient,) = symbols(b)
@@ -86,7 +60,7 @@ class ConstantBias(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at 1-junctions that have no fitted constant source."""
-        if not is_one_junction(place) or has_free_bias(place):
+        if not place.is_one_junction or place.has_free_bias:
             return
         b = place.parameter("bias", place.unit(E))
         (size,) = symbols(b)
@@ -111,9 +85,9 @@ class Gravity(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at rotating 1-junctions whose angle is known."""
-        if not is_one_junction(place) or place.domain != ROTATION:
+        if not place.is_one_junction or place.domain != ROTATION:
             return
-        if not displacement_known(place):
+        if not place.displacement_known:
             return
         a = place.parameter("gravity_sine", place.unit(E))
         b = place.parameter("gravity_cosine", place.unit(E))
@@ -143,9 +117,9 @@ class Spring(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it where the displacement is known and no fitted linear C sits."""
-        if not is_one_junction(place) or not displacement_known(place):
+        if not place.is_one_junction or not place.displacement_known:
             return
-        if has_free_linear(place, Compliance):
+        if place.has_free_linear(Compliance):
             return
         k = place.parameter("stiffness", place.unit(E, Q), low=0.0)
         offset = place.parameter("spring_offset", place.unit(E))
@@ -176,7 +150,7 @@ class HardeningSpring(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it where the displacement is known."""
-        if not is_one_junction(place) or not displacement_known(place):
+        if not place.is_one_junction or not place.displacement_known:
             return
         k = place.parameter("cubic_stiffness", place.unit(E, Q, 3))
         (stiffness,) = symbols(k)
@@ -205,9 +179,9 @@ class AddedInertia(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at mechanical 1-junctions without a freely fitted linear I."""
-        if not is_one_junction(place) or place.domain not in (ROTATION, TRANSLATION):
+        if not place.is_one_junction or place.domain not in (ROTATION, TRANSLATION):
             return
-        if has_free_linear(place, Inertance):
+        if place.has_free_linear(Inertance):
             return
         momentum = Quantity.MOMENTUM
         name = place.name_of("added_inertia")

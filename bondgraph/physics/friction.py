@@ -9,27 +9,20 @@ from dataclasses import dataclass
 
 import sympy
 
-from bondgraph.physics.hypothesis import (
-    AbstractPhysics,
-    Hypothesis,
-    Place,
-    symbols,
-)
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
+from bondgraph.physics.place import E, F, Place, symbols
 from bondgraph.structure import signals
-from bondgraph.structure.domains import Quantity
 from bondgraph.structure.elements import (
     EffortSource,
     FlowSource,
     Gyrator,
-    OneJunction,
     Resistance,
     Transformer,
 )
 from bondgraph.structure.parameters import Parameter
-from bondgraph.structure.signals import effort, parameters_in, signals_in
+from bondgraph.structure.signals import effort
 
 REGULARISATION = 1 / 300
-E, F = Quantity.EFFORT, Quantity.FLOW
 
 
 def _direction(place: Place) -> tuple[sympy.Expr, Parameter]:
@@ -41,11 +34,6 @@ def _direction(place: Place) -> tuple[sympy.Expr, Parameter]:
     return sympy.tanh(signals.f / width), smooth
 
 
-def is_one_junction(place: Place) -> bool:
-    """Return whether the place is a 1-junction."""
-    return isinstance(place.graph.node(place.name), OneJunction)
-
-
 class ViscousFriction(AbstractPhysics):
     """Effort proportional to flow."""
 
@@ -54,7 +42,7 @@ class ViscousFriction(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it where no fitted linear R sits already."""
-        if not is_one_junction(place) or has_free_linear(place, Resistance):
+        if not place.is_one_junction or place.has_free_linear(Resistance):
             return
         b = place.parameter("viscous", place.unit(E, F), low=0.0)
         (coefficient,) = symbols(b)
@@ -80,7 +68,7 @@ class CoulombFriction(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at every 1-junction."""
-        if not is_one_junction(place):
+        if not place.is_one_junction:
             return
         c = place.parameter("coulomb", place.unit(E), low=0.0)
         direction, smooth = _direction(place)
@@ -110,7 +98,7 @@ class DirectionDependentFriction(AbstractPhysics):
 
         Beside one it says nothing of its own: in motion the two are the same.
         """
-        if not is_one_junction(place) or has_free_bias(place):
+        if not place.is_one_junction or place.has_free_bias:
             return
         c = place.parameter("coulomb", place.unit(E), low=0.0)
         difference = place.parameter("coulomb_difference", place.unit(E))
@@ -146,7 +134,7 @@ class StribeckFriction(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at every 1-junction."""
-        if not is_one_junction(place):
+        if not place.is_one_junction:
             return
         c = place.parameter("coulomb", place.unit(E), low=0.0)
         rise = place.parameter("stribeck_rise", place.unit(E), low=0.0)
@@ -180,7 +168,7 @@ class LoadDependentFriction(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield two per load at a 1-junction: without and with a constant part."""
-        if not is_one_junction(place):
+        if not place.is_one_junction:
             return
         for load in _loads(place):
             yield self._law(place, load, constant=False)
@@ -247,27 +235,3 @@ def _loads(place: Place) -> tuple[_Load, ...]:
             driven.append(load)
     passed = [] if outward else [_Load(load.bond, less_own=True) for load in inward]
     return (*outward, *passed, *inward, *driven)[:2]
-
-
-def has_free_bias(place: Place) -> bool:
-    """Return whether a constant source with a fitted value sits here."""
-    graph = place.graph
-    for bond in graph.bonds_at(place.name):
-        node = graph.node(bond.other(place.name))
-        if isinstance(node, EffortSource | FlowSource) and node.value is not None:
-            names = parameters_in(node.value)
-            constant = not signals_in(node.value) and names
-            if constant and any(not graph.parameters[n].exact for n in names):
-                return True
-    return False
-
-
-def has_free_linear(place: Place, kind: type) -> bool:
-    """Return whether a linear element of `kind` with a fitted value sits here."""
-    graph = place.graph
-    for bond in graph.bonds_at(place.name):
-        node = graph.node(bond.other(place.name))
-        linear = isinstance(node, kind) and getattr(node, "law", None) is None
-        if linear and graph.parameters[node.name].std is None:
-            return True
-    return False

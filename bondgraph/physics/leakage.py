@@ -4,28 +4,13 @@ from collections.abc import Iterator
 
 import sympy
 
-from bondgraph.physics.friction import (
-    E,
-    F,
-    has_free_bias,
-    has_free_linear,
-    is_one_junction,
-)
-from bondgraph.physics.hypothesis import (
-    AbstractPhysics,
-    Hypothesis,
-    Place,
-    symbols,
-)
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
+from bondgraph.physics.place import E, F, Place, symbols
 from bondgraph.structure import signals
 from bondgraph.structure.domains import ANALOGUE, HYDRAULIC
 from bondgraph.structure.edits import ReplaceRelation
-from bondgraph.structure.elements import FlowSource, Resistance, ZeroJunction
+from bondgraph.structure.elements import FlowSource, Resistance
 from bondgraph.structure.parameters import Parameter
-
-
-def _is_zero_junction(place: Place) -> bool:
-    return isinstance(place.graph.node(place.name), ZeroJunction)
 
 
 class Leak(AbstractPhysics):
@@ -36,7 +21,7 @@ class Leak(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at 0-junctions without a freely fitted linear R."""
-        if not _is_zero_junction(place) or has_free_linear(place, Resistance):
+        if not place.is_zero_junction or place.has_free_linear(Resistance):
             return
         g = place.parameter("leak", place.unit(F, E), low=0.0)
         (conductance,) = symbols(g)
@@ -62,7 +47,7 @@ class SquareRootOrifice(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at 0-junctions; smooth within 0.1 % of the typical effort."""
-        if not _is_zero_junction(place):
+        if not place.is_zero_junction:
             return
         k = place.parameter("orifice", place.unit(F), low=0.0)
         at = place.parameter("orifice_effort", place.unit(E), exact=place.effort)
@@ -105,7 +90,7 @@ class SquareLaw(AbstractPhysics):
     def _replaced(self, place: Place, resistance: str) -> Hypothesis:
         """Write the law in the variable that the junction gives."""
         linear = place.graph.parameters[resistance].value or 1.0
-        if is_one_junction(place):
+        if place.is_one_junction:
             k = place.parameter(f"{resistance}_square", place.unit(E, F, 2), low=0.0)
             (coefficient,) = symbols(k)
             law = coefficient * signals.f * sympy.Abs(signals.f)
@@ -148,7 +133,7 @@ class ConstantFlow(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at 0-junctions that have no fitted constant source."""
-        if not _is_zero_junction(place) or has_free_bias(place):
+        if not place.is_zero_junction or place.has_free_bias:
             return
         b = place.parameter("bias", place.unit(F))
         (size,) = symbols(b)

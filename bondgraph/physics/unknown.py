@@ -10,14 +10,9 @@ from itertools import pairwise
 
 import sympy
 
-from bondgraph.physics.fields import displacement_known, restoring
-from bondgraph.physics.friction import E, F, is_one_junction
-from bondgraph.physics.hypothesis import (
-    AbstractPhysics,
-    Hypothesis,
-    Place,
-    symbols,
-)
+from bondgraph.physics.fields import restoring
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
+from bondgraph.physics.place import E, F, Place, symbols
 from bondgraph.structure import signals
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.elements import OnePort, Resistance
@@ -38,9 +33,9 @@ class UnknownRelation(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield a curve of each local variable of a junction."""
-        if is_one_junction(place):
+        if place.is_one_junction:
             yield self._curve(place, signals.f, F, place.flow, KNOTS)
-            if displacement_known(place):
+            if place.displacement_known:
                 quantity = Quantity.DISPLACEMENT
                 size = place.displacement
                 yield self._curve(place, signals.q, quantity, size, EVEN_KNOTS)
@@ -55,7 +50,7 @@ class UnknownRelation(AbstractPhysics):
         size: float,
         knots: tuple[float, ...],
     ) -> Hypothesis:
-        answer = E if is_one_junction(place) else F
+        answer = E if place.is_one_junction else F
         width = place.parameter(f"curve_{quantity}", place.unit(quantity), exact=size)
         heights = [
             place.parameter(f"curve_{i}", place.unit(answer)) for i in range(len(knots))
