@@ -1,0 +1,1 @@
+"""Models in other languages: the sorted equations, printed and solved there."""
