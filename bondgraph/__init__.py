@@ -8,11 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 _HOME = {
     "bondgraph.structure.builder": ("BondGraph",),
-    "bondgraph.structure.graph": ("FinishedGraph",),
-    "bondgraph.structure.elements": ("Se", "Sf", "I", "C", "R", "TF", "GY"),
+    "bondgraph.structure.graph": ("CausalPreference", "FinishedGraph", "Wanted"),
+    "bondgraph.structure.elements": (
+        *("Se", "Sf", "I", "C", "R", "TF", "GY"),
+        *("MSe", "MSf", "MTF", "MGY", "MR"),
+    ),
+    "bondgraph.structure.fields": ("IField", "CField", "ICField", "RField"),
+    "bondgraph.structure.detectors": ("De", "Df", "Dp", "Dq"),
+    "bondgraph.structure.subgraphs": ("SubGraph",),
     "bondgraph.structure.signals": (
         *("e", "f", "p", "q", "t"),
-        *("effort", "flow", "momentum", "displacement"),
+        *("effort", "flow", "momentum", "displacement", "port", "ports"),
     ),
     "bondgraph.structure.parameters": (
         *("Parameter", "ParameterSet"),
@@ -111,17 +117,32 @@ if TYPE_CHECKING:
     from bondgraph.simulation.solvers import Sdirk2 as Sdirk2
     from bondgraph.simulation.solvers import Sdirk3 as Sdirk3
     from bondgraph.structure.builder import BondGraph as BondGraph
+    from bondgraph.structure.detectors import De as De
+    from bondgraph.structure.detectors import Df as Df
+    from bondgraph.structure.detectors import Dp as Dp
+    from bondgraph.structure.detectors import Dq as Dq
     from bondgraph.structure.edits import InsertElement as InsertElement
     from bondgraph.structure.edits import ReplaceMeasurement as ReplaceMeasurement
     from bondgraph.structure.edits import ReplaceRelation as ReplaceRelation
     from bondgraph.structure.elements import GY as GY
+    from bondgraph.structure.elements import MGY as MGY
+    from bondgraph.structure.elements import MR as MR
+    from bondgraph.structure.elements import MTF as MTF
     from bondgraph.structure.elements import TF as TF
     from bondgraph.structure.elements import C as C
     from bondgraph.structure.elements import I as I
+    from bondgraph.structure.elements import MSe as MSe
+    from bondgraph.structure.elements import MSf as MSf
     from bondgraph.structure.elements import R as R
     from bondgraph.structure.elements import Se as Se
     from bondgraph.structure.elements import Sf as Sf
+    from bondgraph.structure.fields import CField as CField
+    from bondgraph.structure.fields import ICField as ICField
+    from bondgraph.structure.fields import IField as IField
+    from bondgraph.structure.fields import RField as RField
+    from bondgraph.structure.graph import CausalPreference as CausalPreference
     from bondgraph.structure.graph import FinishedGraph as FinishedGraph
+    from bondgraph.structure.graph import Wanted as Wanted
     from bondgraph.structure.parameters import Assumed as Assumed
     from bondgraph.structure.parameters import Fitted as Fitted
     from bondgraph.structure.parameters import Measured as Measured
@@ -136,8 +157,11 @@ if TYPE_CHECKING:
     from bondgraph.structure.signals import flow as flow
     from bondgraph.structure.signals import momentum as momentum
     from bondgraph.structure.signals import p as p
+    from bondgraph.structure.signals import port as port
+    from bondgraph.structure.signals import ports as ports
     from bondgraph.structure.signals import q as q
     from bondgraph.structure.signals import t as t
+    from bondgraph.structure.subgraphs import SubGraph as SubGraph
 
 
 def __getattr__(name: str) -> Any:

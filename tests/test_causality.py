@@ -6,7 +6,8 @@ import pytest
 from catalogue import CASES, Case
 
 from bondgraph import GY, TF, BondGraph, C, I, R, Se, Sf, assign_causality, f
-from bondgraph.causality.assignment import _choices, _decide
+from bondgraph.causality.assignment import _decide
+from bondgraph.causality.choices import choices
 from bondgraph.causality.propagation import StrokeBoard
 from bondgraph.errors import CausalConflictError
 from bondgraph.structure.elements import letter
@@ -89,7 +90,7 @@ def visits(stages: int) -> tuple[int, int]:
     board = StrokeBoard(graph)
     board.start(0)
     board.propagate()
-    _decide(board, _choices(board))
+    _decide(board, choices(board, ()))
     return board.visits, len(graph.bonds)
 
 

@@ -6,32 +6,28 @@ forced otherwise is dependent, which is a normal result. A choice that leads to 
 conflict is taken back, because in rings of junctions a local rule does not see it.
 """
 
+from bondgraph.causality.choices import Choice, choices
 from bondgraph.causality.propagation import FREE, Rule, StrokeBoard
 from bondgraph.causality.records import CausalAssignment, CausalStep, CausalStroke
 from bondgraph.causality.wording import reason, refusal
-from bondgraph.errors import CausalConflictError, EquationError
-from bondgraph.structure import signals
-from bondgraph.structure.elements import (
-    Compliance,
-    EffortSource,
-    FlowSource,
-    Inertance,
-    OneJunction,
-    Resistance,
-    Storage,
-    ZeroJunction,
-)
-from bondgraph.structure.graph import FinishedGraph
-
-# (bond, preferred node for the stroke, rule if preferred, rule otherwise, decided at)
-_Choice = tuple[int, int, Rule, Rule, int]
+from bondgraph.errors import CausalConflictError
+from bondgraph.structure.elements import EffortSource, FlowSource, Junction
+from bondgraph.structure.graph import CausalPreference, FinishedGraph
 
 
-def assign_causality(graph: FinishedGraph) -> CausalAssignment:
+def assign_causality(
+    graph: FinishedGraph, *, prefer: tuple[CausalPreference, ...] = ()
+) -> CausalAssignment:
     """Return the causality of `graph`, integral where possible.
 
     The stroke of a bond sits at the end that receives effort. The cost is linear in
     the number of bonds.
+
+    Parameters
+    ----------
+    prefer
+        Wishes for single elements, before those that the graph itself carries. A wish
+        that the rest of the graph does not allow is listed in the answer's ``unmet``.
 
     Raises
     ------
@@ -43,94 +39,31 @@ def assign_causality(graph: FinishedGraph) -> CausalAssignment:
     for node, kind in enumerate(graph.nodes):
         # A junction with a single bond also knows its stroke from the start.
         if isinstance(kind, EffortSource | FlowSource) or (
-            isinstance(kind, ZeroJunction | OneJunction) and len(board.at[node]) == 1
+            isinstance(kind, Junction) and len(board.at[node]) == 1
         ):
             board.start(node)
     conflict = board.propagate()
     if conflict:
         raise refusal(board, conflict)
-    _decide(board, _choices(board))
-    return _answer(board)
+    wishes = {p.element: p for p in (*graph.preferences, *prefer)}
+    offered = choices(board, tuple(wishes.values()))
+    _decide(board, offered)
+    return _answer(board, offered)
 
 
-def _choices(board: StrokeBoard) -> list[_Choice]:
-    """Return the choices to make, in order of preference."""
-    storages: list[tuple[bool, _Choice]] = []
-    resistances: list[tuple[int, _Choice]] = []
-    for node, kind in enumerate(board.nodes):
-        if isinstance(kind, Inertance | Compliance):
-            bond = board.at[node][0]
-            at = node if isinstance(kind, Inertance) else board.other(bond, node)
-            choice = (bond, at, Rule.INTEGRAL, Rule.DERIVATIVE, node)
-            storages.append((_derivative_is_easy(kind), choice))
-        elif isinstance(kind, Resistance):
-            bond = board.at[node][0]
-            written = gives_effort(kind)
-            at = board.other(bond, node) if written else node
-            choice = (bond, at, Rule.CHOICE, Rule.CHOICE, node)
-            resistances.append((_flexibility(kind), choice))
-    # Laws that work one way only choose first (the sort is stable).
-    ordered = [choice for _, choice in sorted(storages, key=lambda item: item[0])]
-    ordered += [choice for _, choice in sorted(resistances, key=lambda item: item[0])]
-    inner = [
-        (bond, head, Rule.CHOICE, Rule.CHOICE, tail)
-        for bond, (tail, head) in enumerate(board.ends)
-    ]
-    return ordered + inner
-
-
-def _derivative_is_easy(storage: Storage) -> bool:
-    """Return whether momentum (displacement) is explicit in flow (effort)."""
-    if storage.law is None:
-        return True
-    stored = signals.p if isinstance(storage, Inertance) else signals.q
-    try:
-        storage.relation.solved_for(stored)
-    except EquationError:
-        return False
-    return True
-
-
-def gives_effort(resistance: Resistance) -> bool:
-    """Return whether the law is written as an effort."""
-    return bool(resistance.law is None or resistance.relation.output == signals.e)
-
-
-def is_invertible(resistance: Resistance) -> bool:
-    """Return whether the law gives effort and flow in closed form."""
-    if resistance.law is None:
-        return True
-    try:
-        resistance.relation.solved_for(resistance.relation.argument)
-    except EquationError:
-        return False
-    return True
-
-
-def _flexibility(resistance: Resistance) -> int:
-    """Return how gladly a resistance works either way.
-
-    A law that is written keeps the direction it is written in, where it can: solved for
-    the other variable, a friction that happens to be zero would be divided by.
-    """
-    if not is_invertible(resistance):
-        return 0
-    return 1 if resistance.law is not None else 2
-
-
-def _decide(board: StrokeBoard, choices: list[_Choice]) -> None:
+def _decide(board: StrokeBoard, offered: list[Choice]) -> None:
     """Make the choices in turn; on a conflict take the latest one back."""
     made: list[tuple[int, int]] = []  # (index of the choice, trail before it)
     first: CausalConflictError | None = None
     budget = 2 * len(board.bonds) + 20
     i = 0
-    while i < len(choices):
-        bond, at, preferred, _, node = choices[i]
-        if board.stroke[bond] != FREE:
+    while i < len(offered):
+        choice = offered[i]
+        if board.stroke[choice.bond] != FREE:
             i += 1
             continue
         made.append((i, len(board.trail)))
-        board.set(bond, at, preferred, node)
+        board.set(choice.bond, choice.at, choice.rule, choice.node)
         conflict = board.propagate()
         while conflict:
             first = first or refusal(board, conflict)
@@ -139,37 +72,47 @@ def _decide(board: StrokeBoard, choices: list[_Choice]) -> None:
                 raise first
             i, length = made.pop()
             board.undo(length)
-            bond, at, _, otherwise, node = choices[i]
-            board.set(bond, board.other(bond, at), otherwise, node)
+            choice = offered[i]
+            at = board.other(choice.bond, choice.at)
+            board.set(choice.bond, at, choice.otherwise, choice.node)
             conflict = board.propagate()
         i += 1
 
 
-def _answer(board: StrokeBoard) -> CausalAssignment:
+def _answer(board: StrokeBoard, offered: list[Choice]) -> CausalAssignment:
     strokes = tuple(
         CausalStroke(bond, board.nodes[at].name)
         for bond, at in zip(board.bonds, board.stroke, strict=True)
     )
-    integral: list[str] = []
-    derivative: list[str] = []
-    for node, kind in enumerate(board.nodes):
-        if isinstance(kind, Inertance | Compliance):
-            receives_effort = board.stroke[board.at[node][0]] == node
-            is_integral = receives_effort == isinstance(kind, Inertance)
-            (integral if is_integral else derivative).append(kind.name)
+    integral: dict[int, str] = {}
+    derivative: dict[int, str] = {}
+    ports: dict[int, str] = {}
+    unmet: list[str] = []
+    for choice in offered:
+        ports.setdefault(choice.bond, choice.port)
+        if choice.integral is not None:
+            met = board.stroke[choice.bond] == choice.integral
+            (integral if met else derivative)[choice.bond] = choice.port
+        if choice.rule is Rule.WISH and board.stroke[choice.bond] != choice.at:
+            unmet.append(choice.port)
     return CausalAssignment(
         strokes=strokes,
-        integral=tuple(integral),
-        derivative=tuple(derivative),
-        arbitrary=tuple(_chosen(board, bond) for bond in _free_choices(board)),
+        integral=_in_order(board, integral),
+        derivative=_in_order(board, derivative),
+        arbitrary=tuple(
+            ports[bond] for bond in board.trail if board.why[bond][0] is Rule.CHOICE
+        ),
+        unmet=tuple(unmet),
         steps=tuple(CausalStep(strokes[b], reason(board, b)) for b in board.trail),
     )
 
 
-def _free_choices(board: StrokeBoard) -> list[int]:
-    return [bond for bond in board.trail if board.why[bond][0] is Rule.CHOICE]
-
-
-def _chosen(board: StrokeBoard, bond: int) -> str:
-    node = board.nodes[board.why[bond][1]]
-    return node.name if isinstance(node, Resistance) else board.bonds[bond].name
+def _in_order(board: StrokeBoard, ports: dict[int, str]) -> tuple[str, ...]:
+    """Return the ports in the order of the graph's nodes, not of the choices."""
+    place = {
+        bond: node
+        for node, bonds in enumerate(board.at)
+        for bond in bonds
+        if bond in ports and not isinstance(board.nodes[node], Junction)
+    }
+    return tuple(ports[bond] for bond in sorted(ports, key=lambda b: (place[b], b)))

@@ -32,6 +32,8 @@ class Rule(Enum):
     INTEGRAL = auto()
     DERIVATIVE = auto()
     CHOICE = auto()
+    WISH = auto()  # what the author prefers
+    UNMET = auto()  # the other one, because the wish led to a conflict
     SUPPLIED = auto()  # the junction has its effort (flow) already
     LAST = auto()  # the last bond that can supply the junction
     TWO_PORT = auto()

@@ -35,10 +35,13 @@ class CausalAssignment:
     strokes
         One per bond, in the order of the graph's bonds.
     integral, derivative
-        Names of the storages that are states, and of those that depend on others.
+        Names of the storages that are states, and of those that depend on others; a
+        field's port is called ``name[1]``.
     arbitrary
         Names of resistances (or bonds) whose causality was a free choice; each
         usually closes an algebraic loop.
+    unmet
+        Names of the elements whose preferred causality the rest does not allow.
     steps
         The same strokes in the order in which they were set, with reasons.
     """
@@ -48,6 +51,7 @@ class CausalAssignment:
     derivative: tuple[str, ...]
     arbitrary: tuple[str, ...]
     steps: tuple[CausalStep, ...]
+    unmet: tuple[str, ...] = ()
 
     def stroke_of(self, bond: str) -> CausalStroke:
         """Return the stroke of the bond called `bond` (the first of that name)."""

@@ -29,6 +29,10 @@ def reason(board: StrokeBoard, bond: int) -> str:
         Rule.SOURCE: f"{who} imposes its {gives}",
         Rule.INTEGRAL: f"{who} is integral, as preferred",
         Rule.DERIVATIVE: f"{who} is derivative, because integral led to a conflict",
+        Rule.WISH: f"{who} gives {gives}, as its author prefers",
+        Rule.UNMET: (
+            f"{who} gives {gives} against the author's wish, which led to a conflict"
+        ),
         Rule.CHOICE: f"{who} may give effort or flow, and was chosen to give {gives}",
         Rule.SUPPLIED: f"{who} has its {common} from {giver!r}",
         Rule.LAST: f"only {giver!r} is left to give {who} its {common}",
@@ -61,7 +65,7 @@ def refusal(board: StrokeBoard, conflict: Conflict) -> CausalConflictError:
     roots = [
         board.nodes[because].name
         for rule, because in (board.why[bond] for bond in chain)
-        if rule in (Rule.SOURCE, Rule.INTEGRAL, Rule.DERIVATIVE, Rule.CHOICE)
+        if rule not in (Rule.SUPPLIED, Rule.LAST, Rule.TWO_PORT)
     ]
     about = tuple(dict.fromkeys([node.name, *givers, *roots]))
     return CausalConflictError(problem + trace, about, remedy)

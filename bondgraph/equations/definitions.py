@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import sympy
 
 from bondgraph.causality.records import CausalAssignment
-from bondgraph.equations.inversion import OnePortWithLaw, check_monotone, explicit
-from bondgraph.equations.memory import Implicit, Memory, signed
+from bondgraph.equations.inversion import OnePortWithLaw
+from bondgraph.equations.memory import Implicit, Memory, StoragePort, signed
 from bondgraph.equations.wires import Port, SymbolNames
 from bondgraph.errors import EquationError
 from bondgraph.structure import signals
@@ -26,6 +26,14 @@ from bondgraph.structure.elements import (
     Transformer,
     ZeroJunction,
     letter,
+)
+from bondgraph.structure.fields import (
+    ComplianceField,
+    InertanceField,
+    MixedField,
+    MultiPort,
+    ResistanceField,
+    StorageField,
 )
 from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.signals import parameter_symbol
@@ -71,7 +79,6 @@ class Definitions:
         self.memory = Memory(graph, causality.integral, names)
         self.wires = self.memory.wires
         self.implicit = self.memory.implicit
-        self._parameter = {p.name: p for p in graph.parameters.members}
         self._stroke = [stroke.at for stroke in causality.strokes]
         for node in graph.nodes:
             self._define(node)
@@ -101,6 +108,10 @@ class Definitions:
                 self._gyrator(node)
             case ZeroJunction() | OneJunction():
                 self._balance(node)
+            case ResistanceField():
+                self._resistance_field(node)
+            case InertanceField() | ComplianceField() | MixedField():
+                self._storage_field(node)
 
     def _give(
         self, wire: sympy.Symbol, expression: sympy.Expr, origin: str, reason: str
@@ -133,36 +144,77 @@ class Definitions:
         wire = port.effort if is_effort else port.flow
         sign = port.effort_sign if is_effort else port.flow_sign
         symbol, value = other
-        law = explicit(element, wanted)
+        law = self.memory.laws.explicit(element, wanted)
         kind = letter(element)
         if law is not None:
             expression = signed(self.memory.substituted(law, {symbol: value}), sign)
             self._give(wire, expression, element.name, f"law of {kind}")
             return
         because = "forced by the rest of the graph"
-        relation = check_monotone(element, self._parameter.__getitem__, because)
+        relation = self.memory.laws.monotone(element, because)
         own = port.own_effort if is_effort else port.own_flow
         right = self.memory.substituted(relation.expression, {wanted: own})
         reason = f"the law of {kind} {element.name!r} has no formula for {wanted}"
         self.implicit[wire] = Implicit(wire, value - right, element.name, reason)
 
     def _storage(self, node: Inertance | Compliance) -> None:
-        port = self.wires.port(node.name)
-        inertance = isinstance(node, Inertance)
-        if node.name in self.memory.symbols:
-            stored = signals.p if inertance else signals.q
-            wanted = signals.f if inertance else signals.e
-            self._law(node, port, wanted, (stored, self.memory.symbols[node.name]))
+        port = self.memory.ports[node.name]
+        if port.name not in self.memory.symbols:
+            self._dependent(port)
             return
-        wire = port.effort if inertance else port.flow
-        own = port.own_effort if inertance else port.own_flow
-        given = "flow" if inertance else "effort"
-        reason = (
-            f"{letter(node)} {node.name!r} is dependent: its {given} is set by others"
-        )
-        self.dependent[wire] = Dependent(
-            wire, own, self.memory.stored(node.name), node.name, reason
-        )
+        inertance = isinstance(node, Inertance)
+        stored = signals.p if inertance else signals.q
+        wanted = signals.f if inertance else signals.e
+        self._law(node, port.port, wanted, (stored, self.memory.symbols[port.name]))
+
+    def _dependent(self, port: StoragePort) -> None:
+        wire, _ = port.rate_wire
+        given = "flow" if port.is_momentum else "effort"
+        kind = letter(self.wires.nodes[port.element])
+        reason = f"{kind} {port.name!r} is dependent: its {given} is set by others"
+        stored = self.memory.stored(port.name)
+        self.dependent[wire] = Dependent(wire, port.rate, stored, port.element, reason)
+
+    def _storage_field(self, field: StorageField) -> None:
+        unknown: list[int] = []
+        for i, relation in enumerate(field.relations):
+            port = self.memory.ports[field.port(i + 1)]
+            if port.name not in self.memory.symbols:
+                self._dependent(port)
+                continue
+            wire = port.port.flow if port.is_momentum else port.port.effort
+            sign = port.port.flow_sign if port.is_momentum else port.port.effort_sign
+            law = self.memory.of_field(field, relation.expression)
+            if relation.output != field.stored[i]:
+                self._give(wire, signed(law, sign), field.name, f"law of {port.name}")
+                continue
+            unknown.append(i)
+            self._unknown(wire, self.memory.symbols[port.name] - law, field, i)
+        self.memory.laws.check_field(field, unknown, "they are states")
+
+    def _resistance_field(self, field: ResistanceField) -> None:
+        unknown: list[int] = []
+        for i, relation in enumerate(field.relations):
+            port = self.wires.ports(field.name)[i]
+            gives_flow = self._receives_effort(field.name, port)
+            wire = port.flow if gives_flow else port.effort
+            sign = port.flow_sign if gives_flow else port.effort_sign
+            law = self.memory.of_field(field, relation.expression)
+            if relation.output.letter == ("f" if gives_flow else "e"):
+                name = field.port(i + 1)
+                self._give(wire, signed(law, sign), field.name, f"law of {name}")
+                continue
+            unknown.append(i)
+            known = port.own_effort if gives_flow else port.own_flow
+            self._unknown(wire, known - law, field, i)
+        self.memory.laws.check_field(field, unknown, "forced by the rest of the graph")
+
+    def _unknown(
+        self, wire: sympy.Symbol, residual: sympy.Expr, field: MultiPort, i: int
+    ) -> None:
+        wanted = field.relations[i].argument
+        reason = f"the laws of {field.name!r} have no formula for {wanted}"
+        self.implicit[wire] = Implicit(wire, residual, field.name, reason)
 
     def _resistance(self, node: Resistance) -> None:
         port = self.wires.port(node.name)

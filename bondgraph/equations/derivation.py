@@ -24,8 +24,9 @@ from bondgraph.equations.sorting import (
 from bondgraph.equations.state_equations import Assignment, Output, StateEquations
 from bondgraph.errors import EquationError
 from bondgraph.structure.domains import Quantity
-from bondgraph.structure.elements import Compliance, Inertance, ZeroJunction, letter
-from bondgraph.structure.graph import FinishedGraph, is_one_port
+from bondgraph.structure.elements import ZeroJunction, is_one_port, letter
+from bondgraph.structure.fields import MultiPort
+from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.signals import parameter_symbol, t
 
 Unknowns = dict[sympy.Symbol, tuple[sympy.Expr, str]]  # residual, reason
@@ -240,19 +241,21 @@ class _Derivation:
             if is_one_port(node):
                 port = wires.port(node.name)
                 put(node.name, port.own_effort, port.own_flow)
+            elif isinstance(node, MultiPort):
+                for k, port in enumerate(wires.ports(node.name)):
+                    put(node.port(k + 1), port.own_effort, port.own_flow)
             elif isinstance(node, ZeroJunction):
                 effort = wires.effort[wires.at[node.name][0]]
                 found[Quantity.EFFORT, node.name] = replaced(effort, self.aliases)
             elif letter(node) == "1":
                 flow = wires.flow[wires.at[node.name][0]]
                 found[Quantity.FLOW, node.name] = replaced(flow, self.aliases)
-            if isinstance(node, Inertance | Compliance):
-                inertance = isinstance(node, Inertance)
-                kind = Quantity.MOMENTUM if inertance else Quantity.DISPLACEMENT
-                stored = replaced(
-                    self.definitions.memory.stored(node.name), self.aliases
-                )
-                found[kind, node.name] = stored
+        memory = self.definitions.memory
+        for storage in memory.ports.values():
+            momentum = storage.is_momentum
+            kind = Quantity.MOMENTUM if momentum else Quantity.DISPLACEMENT
+            stored = replaced(memory.stored(storage.name), self.aliases)
+            found[kind, storage.name] = stored
         return found
 
 

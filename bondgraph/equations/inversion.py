@@ -1,7 +1,14 @@
-"""Laws in the direction that causality asks for, which may not be the one written."""
+"""Laws in the direction that causality asks for, which may not be the one written.
+
+Tried in this order: the law as written; a formula that holds whatever the parameters
+are; a formula that holds for their signs (dry friction beside a viscous one, pieces
+that rise); and last a proof that the law rises or falls everywhere, so that a number
+can be found where no formula exists. What passes none of them is refused.
+"""
 
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
+from itertools import pairwise
 
 import sympy
 
@@ -10,71 +17,216 @@ from bondgraph.structure import signals
 from bondgraph.structure.elements import (
     Compliance,
     Inertance,
-    Relation,
     Resistance,
     letter,
 )
-from bondgraph.structure.parameters import Parameter
-from bondgraph.structure.signals import PORT_VARIABLES, parameter_symbol
+from bondgraph.structure.fields import MultiPort
+from bondgraph.structure.graph import FinishedGraph
+from bondgraph.structure.relations import Relation, inverse
+from bondgraph.structure.signals import is_port_variable, parameter_symbol
 
 OnePortWithLaw = Inertance | Compliance | Resistance
-
-
-def explicit(element: OnePortWithLaw, wanted: sympy.Symbol) -> sympy.Expr | None:
-    """Return `wanted` in the element's other variable, or None if no formula exists.
-
-    A law without a formula in this direction can still be solved numerically if it is
-    strictly monotone; see `check_monotone`.
-    """
-    if element.law is None:  # the common case, without differentiating anything
-        constant = parameter_symbol(element.name)
-        big, small = _LINEAR[type(element)]
-        return constant * small if wanted == big else big / constant
-    try:
-        return element.relation.solved_for(wanted)
-    except EquationError:
-        return None
-
 
 _LINEAR: dict[type, tuple[sympy.Symbol, sympy.Symbol]] = {
     Resistance: (signals.e, signals.f),
     Inertance: (signals.p, signals.f),
     Compliance: (signals.q, signals.e),
 }
+_KINKED = (sympy.Abs, sympy.sign, sympy.Max, sympy.Min, sympy.Piecewise)
 
 
-def check_monotone(
-    element: OnePortWithLaw, parameter: Callable[[str], Parameter], because: str
-) -> Relation:
-    """Return the relation if each value of its output has one argument.
+class Laws:
+    """The one-port laws of a graph, in either direction."""
 
-    Raises
-    ------
-    EquationError
-        If that cannot be shown; the message names the element.
-    """
-    relation = element.relation
-    slope = relation.expression.diff(relation.argument)
-    signed = {
-        symbol: _with_sign(symbol, parameter)
-        for symbol in slope.free_symbols
-        if symbol not in PORT_VARIABLES
-    }
-    slope = slope.xreplace(signed).replace(_is_squared_tanh, _by_cosh)
-    slope = sympy.expand(slope)
-    if slope.is_positive or slope.is_negative:
-        return relation
-    remedy = f"Write the law as an expression in {relation.output}"
-    if isinstance(element, Resistance):
-        given = "flow" if relation.output == signals.e else "effort"
-        remedy += f", or put a storage beside it that gives it its {given}"
-    raise EquationError(
-        f"The law {relation.output} = {relation.expression} of {letter(element)} "
-        f"{element.name!r} gives {relation.output}, but here {relation.argument} is "
-        f"wanted ({because}), and the law has no unique inverse.",
-        (element.name,),
-        f"{remedy}.",
-    )
+    def __init__(self, graph: FinishedGraph) -> None:
+        self._parameters = graph.parameters
+
+    def explicit(
+        self, element: OnePortWithLaw, wanted: sympy.Symbol
+    ) -> sympy.Expr | None:
+        """Return `wanted` in the element's other variable, or None without formula."""
+        if element.law is None:  # the common case, without differentiating anything
+            constant = parameter_symbol(element.name)
+            big, small = _LINEAR[type(element)]
+            return constant * small if wanted == big else big / constant
+        relation = element.relation
+        if wanted == relation.output:
+            return relation.expression
+        found = inverse(relation.expression, relation.argument, relation.output)
+        if found is None:
+            found = self._inverse_for_signs(relation)
+        return found
+
+    def smooth(
+        self, element: OnePortWithLaw, wanted: sympy.Symbol
+    ) -> sympy.Expr | None:
+        """Return what `explicit` does if one can differentiate it, else None."""
+        found = self.explicit(element, wanted)
+        if found is None or wanted == element.relation.output:
+            return found
+        return None if found.has(*_KINKED) else found
+
+    def _inverse_for_signs(self, relation: Relation) -> sympy.Expr | None:
+        for method in (self._dry_friction, self._rising_pieces):
+            found = method(relation)
+            if found is not None:
+                return found
+        return None
+
+    def _dry_friction(self, relation: Relation) -> sympy.Expr | None:
+        """Invert ``a x + b sign(x) + c`` with a, b > 0: a dead zone in the value."""
+        x = relation.argument
+        rest, terms = relation.expression.as_independent(x, as_Add=True)
+        step = terms.coeff(sympy.sign(x))
+        line = (terms - step * sympy.sign(x)).expand()
+        slope = line.coeff(x)
+        if step == 0 or line != slope * x or slope.has(x) or step.has(x):
+            return None
+        if not (self._positive(slope) and self._positive(step)):
+            return None
+        value = relation.output - rest
+        return (
+            sympy.sign(value) * sympy.Max(sympy.Abs(value) - step, sympy.S.Zero) / slope
+        )
+
+    def _rising_pieces(self, relation: Relation) -> sympy.Expr | None:
+        """Invert a continuous Piecewise in order of its argument, each piece rising."""
+        x, law = relation.argument, relation.expression
+        if not isinstance(law, sympy.Piecewise):
+            return None
+        pieces: list[tuple[sympy.Expr, sympy.Expr | None]] = []
+        for piece, condition in law.args:
+            edge = _upper_edge(condition, x)
+            if edge is None and condition != sympy.true:
+                return None
+            pieces.append((piece, edge))
+        for (piece, edge), (following, _) in pairwise(pieces):
+            gap = (piece - following).xreplace({x: edge})
+            if edge is None or sympy.simplify(gap) != 0:
+                return None
+        found = []
+        for piece, edge in pieces:
+            back = inverse(piece, x, relation.output)
+            if back is None or not self._positive(piece.diff(x)):
+                return None
+            condition = (
+                sympy.true
+                if edge is None
+                else relation.output < piece.xreplace({x: edge})
+            )
+            found.append((back, condition))
+        return sympy.Piecewise(*found)
+
+    def monotone(self, element: OnePortWithLaw, because: str) -> Relation:
+        """Return the relation if each value of its output has one argument.
+
+        Raises
+        ------
+        EquationError
+            If that cannot be shown; the message names the element.
+        """
+        relation = element.relation
+        slope = relation.expression.diff(relation.argument)
+        if self.rises_or_falls(slope, relation.argument):
+            return relation
+        remedy = f"Write the law as an expression in {relation.output}"
+        if isinstance(element, Resistance):
+            given = "flow" if relation.output == signals.e else "effort"
+            remedy += f", or put a storage beside it that gives it its {given}"
+        raise EquationError(
+            f"The law {relation.output} = {relation.expression} of {letter(element)} "
+            f"{element.name!r} gives {relation.output}, but here {relation.argument} "
+            f"is wanted ({because}), and the law has no unique inverse.",
+            (element.name,),
+            f"{remedy}.",
+        )
+
+    def rises_or_falls(self, slope: sympy.Expr, argument: sympy.Symbol) -> bool:
+        """Return whether `slope` has one sign, zero at most at single points."""
+        signed = self._with_signs(slope)
+        signed = signed.replace(_is_squared_tanh, _by_cosh)
+        for form in (signed, sympy.expand(signed)):
+            if form.is_positive or form.is_negative:
+                return True
+            one_sign = form.is_nonnegative or form.is_nonpositive
+            # An analytic function of x (or |x|) vanishes at single points only.
+            flat = form.has(
+                sympy.Heaviside, sympy.Piecewise, sympy.Max, sympy.Min, sympy.sign
+            )
+            if one_sign and not flat and argument in slope.free_symbols:
+                return True
+        return False
+
+    def check_field(
+        self, field: MultiPort, unknown: Sequence[int], because: str
+    ) -> None:
+        """Refuse a field whose laws need not determine the `unknown` ports' arguments.
+
+        Linear ones do where their matrix is regular, which is checked later; nonlinear
+        ones if the matrix of their slopes is positive definite everywhere.
+        """
+        relations = field.relations
+        arguments = [relations[i].argument for i in unknown]
+        slopes = sympy.Matrix(
+            [[relations[i].expression.diff(x) for x in arguments] for i in unknown]
+        )
+        if not slopes.free_symbols & set(arguments):
+            return
+        for size in range(1, len(unknown) + 1):
+            minor = slopes[:size, :size].det()
+            if not self._positive(sympy.expand(minor)):
+                ports = ", ".join(field.port(i + 1) for i in unknown)
+                raise EquationError(
+                    f"The laws of {field.name!r} give {relations[unknown[0]].output}, "
+                    f"but here {', '.join(map(str, arguments))} are wanted "
+                    f"({because}), and they need not be unique.",
+                    (field.name, *ports.split(", ")),
+                    f"Write the laws in the other variables, or prefer another "
+                    f"causality for {ports}.",
+                )
+
+    def _positive(self, expression: sympy.Expr) -> bool:
+        return bool(self._with_signs(expression).is_positive)
+
+    def _with_signs(self, expression: sympy.Expr) -> sympy.Expr:
+        """Return `expression` with parameters that know their sign."""
+        return expression.xreplace(
+            {
+                symbol: self._twin(symbol)
+                for symbol in expression.free_symbols
+                if not is_port_variable(symbol)
+            }
+        )
+
+    def _twin(self, symbol: sympy.Symbol) -> sympy.Symbol:
+        """Return a twin of a parameter that knows the sign its value and bounds give.
+
+        A parameter of which nothing is known is taken to be positive, as constants of
+        elements are.
+        """
+        known = self._parameters.get(symbol.name)
+        if known is None or isinstance(symbol, signals.Signal) or symbol == signals.t:
+            return symbol
+        low, high = known.bounds
+        value = known.value
+        if value is None:
+            value = 1.0 if low >= 0 or math.isinf(low) else 0.0
+        if value > 0 and (low >= 0 or math.isinf(low)):
+            return sympy.Dummy(positive=True)
+        if value < 0 and (high <= 0 or math.isinf(high)):
+            return sympy.Dummy(negative=True)
+        return symbol
+
+
+def _upper_edge(condition: sympy.Basic, x: sympy.Symbol) -> sympy.Expr | None:
+    """Return c if the condition is ``x < c`` or ``x <= c`` with c free of x."""
+    if isinstance(condition, sympy.StrictLessThan | sympy.LessThan):
+        small, large = condition.lhs, condition.rhs
+    elif isinstance(condition, sympy.StrictGreaterThan | sympy.GreaterThan):
+        small, large = condition.rhs, condition.lhs
+    else:
+        return None
+    return large if small == x and not large.has(x) else None
 
 
 def _is_squared_tanh(expression: sympy.Expr) -> bool:
@@ -86,21 +238,3 @@ def _is_squared_tanh(expression: sympy.Expr) -> bool:
 def _by_cosh(square: sympy.Expr) -> sympy.Expr:
     """Return tanh² as 1 - 1/cosh², whose sign sympy knows."""
     return 1 - 1 / sympy.cosh(square.base.args[0]) ** 2
-
-
-def _with_sign(
-    symbol: sympy.Symbol, parameter: Callable[[str], Parameter]
-) -> sympy.Symbol:
-    """Return a twin of a parameter that knows the sign its value and bounds give."""
-    if isinstance(symbol, signals.Signal) or symbol == signals.t:
-        return symbol
-    known = parameter(symbol.name)
-    low, high = known.bounds
-    value = known.value
-    if value is None:
-        value = 1.0 if low >= 0 or math.isinf(low) else 0.0
-    if value > 0 and (low >= 0 or math.isinf(low)):
-        return sympy.Dummy(positive=True)
-    if value < 0 and (high <= 0 or math.isinf(high)):
-        return sympy.Dummy(negative=True)
-    return symbol

@@ -17,8 +17,10 @@ from bondgraph.structure.elements import (
     FlowSource,
     OneJunction,
     ZeroJunction,
+    is_one_port,
 )
-from bondgraph.structure.graph import FinishedGraph, is_one_port
+from bondgraph.structure.fields import MultiPort
+from bondgraph.structure.graph import FinishedGraph
 
 
 class SymbolNames:
@@ -115,8 +117,11 @@ class Wires:
     def _bond_label(self, i: int) -> str:
         bond = self.graph.bonds[i]
         for end in (bond.tail, bond.head):
-            if is_one_port(self.nodes[end]):
+            node = self.nodes[end]
+            if is_one_port(node):
                 return end
+            if isinstance(node, MultiPort):
+                return f"{end}_{self.at[end].index(i) + 1}"
         return f"{bond.tail}_{bond.head}"
 
     def port(self, name: str) -> Port:
@@ -124,6 +129,10 @@ class Wires:
         (i,) = self.at[name]
         outward = isinstance(self.nodes[name], EffortSource | FlowSource)
         return self._oriented(name, i, inward=not outward)
+
+    def ports(self, name: str) -> tuple[Port, ...]:
+        """Return the ports of the field called `name`, power positive into it."""
+        return tuple(self._oriented(name, i, inward=True) for i in self.at[name])
 
     def two_ports(self, name: str) -> tuple[Port, Port]:
         """Return ports a and b of the two-port called `name`.

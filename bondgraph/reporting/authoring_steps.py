@@ -21,8 +21,11 @@ from bondgraph.structure.elements import (
     Transformer,
     TwoPort,
     ZeroJunction,
+    is_one_port,
 )
+from bondgraph.structure.fields import MultiPort
 from bondgraph.structure.graph import Bond, FinishedGraph
+from bondgraph.structure.nodes import port_count
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,10 +38,10 @@ class AddJunction:
 
 @dataclass(frozen=True, slots=True)
 class PutElement:
-    """``put(element, on=junction)``."""
+    """``put(element, on=junction)``, or on several junctions for a field."""
 
-    element: OnePort
-    junction: str
+    element: OnePort | MultiPort
+    junctions: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,13 +86,14 @@ def _steps(graph: FinishedGraph) -> Iterator[AuthoringStep]:
             case Transformer() | Gyrator():
                 yield _join(graph, node, bonds, known)
             case _:
-                junction = _junction_of(node, bonds)
-                if junction not in known:
+                assert isinstance(node, OnePort | MultiPort)
+                junctions = _junctions_of(node, bonds)
+                if not known.issuperset(junctions):
                     raise _unwritable(graph, node.name)
-                yield PutElement(node, junction)
+                yield PutElement(node, junctions)
 
 
-def _usual_bond(element: OnePort, junction: str) -> Bond:
+def _usual_bond(element: Node, junction: str) -> Bond:
     """Return the bond ``put`` makes: power out of a source, into an I, C or R."""
     if isinstance(element, EffortSource | FlowSource):
         return Bond(element.name, junction)
@@ -100,22 +104,21 @@ def _hung(junction: str, nodes: deque[Node], bonds: deque[Bond]) -> Iterator[One
     """Take the one-ports that were written together with their junction."""
     while nodes and bonds:
         node = nodes[0]
-        if isinstance(node, ZeroJunction | OneJunction | Transformer | Gyrator):
-            return
-        if bonds[0] != _usual_bond(node, junction):
+        if not is_one_port(node) or bonds[0] != _usual_bond(node, junction):
             return
         nodes.popleft()
         bonds.popleft()
         yield node
 
 
-def _junction_of(element: OnePort, bonds: deque[Bond]) -> str | None:
-    """Take the bond of a one-port and return its junction, None if not the usual."""
-    if not bonds:
-        return None
-    bond = bonds.popleft()
-    junction = bond.other(element.name)
-    return junction if bond == _usual_bond(element, junction) else None
+def _junctions_of(element: OnePort | MultiPort, bonds: deque[Bond]) -> tuple[str, ...]:
+    """Take the bonds of a one-port or field; return its junctions, none if unusual."""
+    junctions = []
+    for _ in range(min(port_count(element) or 0, len(bonds))):
+        bond = bonds.popleft()
+        junction = bond.other(element.name)
+        junctions.append(junction if bond == _usual_bond(element, junction) else "")
+    return tuple(junctions) or ("",)
 
 
 def _join(

@@ -31,18 +31,19 @@ from bondgraph.reporting.python_expressions import (
 )
 from bondgraph.structure.domains import ANALOGUE, DOMAINS, EnergyDomain
 from bondgraph.structure.elements import (
-    LETTERS,
     EffortSource,
-    Element,
     FlowSource,
+    Node,
     OneJunction,
     letter,
 )
+from bondgraph.structure.fields import MixedField, MultiPort
 from bondgraph.structure.graph import (
     FinishedGraph,
     Measurement,
     used_parameters,
 )
+from bondgraph.structure.nodes import written_laws
 from bondgraph.structure.signals import Signal, parameters_in
 
 _TAKEN = frozenset(
@@ -50,7 +51,8 @@ _TAKEN = frozenset(
         *("graph", "model", "math", "sympy", "e", "f", "p", "q", "t"),
         *("effort", "flow", "momentum", "displacement", "BondGraph"),
         *("Parameter", "ParameterSet", "Assumed", "Measured", "Published", "Fitted"),
-        *("Reconciled", *LETTERS.values()),
+        *("Reconciled", "Se", "Sf", "I", "C", "R", "TF", "GY", "port"),
+        *("IField", "CField", "ICField", "RField"),
     )
 )
 
@@ -86,6 +88,10 @@ def to_python(graph: FinishedGraph) -> str:
         *(_step(s, variables, domains, default) for s in authoring_steps(graph)),
         *parameter_lines(graph),
         *(_measurement(graph, m, variables) for m in graph.measurements),
+        *(
+            call("graph.prefer", (quoted(p.element), quoted(p.wanted.value)))
+            for p in graph.preferences
+        ),
         "return graph",
     ]
     lines = [INDENT + line for block in statements for line in block.split("\n")]
@@ -95,7 +101,7 @@ def to_python(graph: FinishedGraph) -> str:
 
 def _imports(graph: FinishedGraph, function: str) -> str:
     needed = {"BondGraph"} | parameter_names_needed(graph)
-    needed |= {letter(element) for element in graph.elements}
+    needed |= {_constructor(element) for element in graph.elements}
     for law in _written_laws(graph):
         needed |= names_needed(law)
     for measurement in graph.measurements:
@@ -120,16 +126,8 @@ def _opening(graph: FinishedGraph, default: EnergyDomain) -> str:
     return call("graph = BondGraph", arguments)
 
 
-def _own_law(element: Element) -> sympy.Expr | None:
-    """Return the law written for an element, None where its name says it all."""
-    if isinstance(element, EffortSource | FlowSource):
-        return element.value
-    return element.law
-
-
 def _written_laws(graph: FinishedGraph) -> tuple[sympy.Expr, ...]:
-    laws = (_own_law(element) for element in graph.elements)
-    return tuple(law for law in laws if law is not None)
+    return tuple(law for element in graph.elements for law in written_laws(element))
 
 
 def _symbols(graph: FinishedGraph, variables: Mapping[str, str]) -> Iterator[str]:
@@ -157,21 +155,33 @@ def _step(
             if domain != default:
                 arguments.append(f"domain={quoted(domain.name)}")
             return call(f"graph.{method}", arguments)
-        case PutElement(element, junction):
-            on = f"on={quoted(junction)}"
+        case PutElement(element, junctions):
+            names = ", ".join(map(quoted, junctions))
+            on = f"on=({names},)" if isinstance(element, MultiPort) else f"on={names}"
             return call("graph.put", (_element(element, variables), on))
         case JoinJunctions(tail, two_port, head):
             between = () if two_port is None else (_element(two_port, variables),)
             return call("graph.join", (quoted(tail), *between, quoted(head)))
 
 
-def _element(element: Element, variables: Mapping[str, str]) -> str:
-    law = _own_law(element)
-    if law is None:
-        return f"{letter(element)}({quoted(element.name)})"
+def _element(element: Node, variables: Mapping[str, str]) -> str:
+    laws = [python_expression(law, variables) for law in written_laws(element)]
+    name = quoted(element.name)
+    if isinstance(element, MultiPort):
+        kinds = (
+            f", kinds={quoted(element.kinds)}"
+            if isinstance(element, MixedField)
+            else ""
+        )
+        return f"{_constructor(element)}({name}, ({', '.join(laws)},){kinds})"
+    if not laws:
+        return f"{letter(element)}({name})"
     keyword = "value" if isinstance(element, EffortSource | FlowSource) else "law"
-    text = python_expression(law, variables)
-    return f"{letter(element)}({quoted(element.name)}, {keyword}={text})"
+    return f"{letter(element)}({name}, {keyword}={laws[0]})"
+
+
+def _constructor(element: Node) -> str:
+    return letter(element) + ("Field" if isinstance(element, MultiPort) else "")
 
 
 def _measurement(

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from bondgraph.reporting.python_expressions import INDENT, call, number, quoted
 from bondgraph.structure.graph import FinishedGraph, used_parameters
+from bondgraph.structure.linear_units import linear_units
 from bondgraph.structure.parameters import (
     Assumed,
     Fitted,
@@ -47,14 +48,14 @@ def written_parameters(graph: FinishedGraph) -> tuple[Parameter, ...]:
     """
     members = graph.parameters.members
     used = used_parameters(graph.nodes, graph.measurements)
-    for start in range(len(members) + 1):
-        tail = tuple(member.name for member in members[start:])
-        implied = tuple(name for name in used if name in set(tail))
-        if tail == implied and all(
-            m == Parameter(name=m.name) for m in members[start:]
-        ):
-            return members[:start]
-    return members
+    units = linear_units(graph.nodes, graph.bonds, graph.domains)
+    start = len(members)
+    while start and members[start - 1] == Parameter(
+        name=members[start - 1].name, unit=units.get(members[start - 1].name, "1")
+    ):
+        start -= 1
+    tail = {member.name: None for member in members[start:]}
+    return members[:start] if list(tail) == [n for n in used if n in tail] else members
 
 
 def _arguments(parameter: Parameter) -> list[str]:

@@ -17,6 +17,7 @@ from bondgraph.errors import EquationError
 from bondgraph.structure import signals
 from bondgraph.structure.signals import (
     PORT_VARIABLES,
+    PortVariable,
     Signal,
     parameters_in,
     signals_in,
@@ -78,6 +79,9 @@ class _PythonPrinter(StrPrinter):  # type: ignore[misc]
     def __init__(self, variables: Mapping[str, str]) -> None:
         super().__init__()
         self._variables = variables
+
+    def _print_PortVariable(self, symbol: PortVariable) -> str:
+        return f'port("{symbol.letter}", {symbol.number})'
 
     def _print_Symbol(self, symbol: sympy.Symbol) -> str:
         return self._variables.get(symbol.name, str(symbol.name))
@@ -187,7 +191,7 @@ def _evaluated(
 ) -> object:
     """Return what `text` evaluates to, or None where it uses unknown names."""
     names: dict[str, object] = {"sympy": sympy}
-    names |= {name: getattr(signals, name) for name in SIGNAL_MAKERS}
+    names |= {name: getattr(signals, name) for name in (*SIGNAL_MAKERS, "port")}
     names |= {s.name: s for s in (*PORT_VARIABLES, signals.t)}
     names |= {
         variables[name]: signals.parameter_symbol(name)
@@ -207,4 +211,6 @@ def names_needed(expression: sympy.Expr) -> set[str]:
         for symbol in expression.free_symbols & {*PORT_VARIABLES, signals.t}
         if not isinstance(symbol, Signal)
     }
+    if any(isinstance(symbol, PortVariable) for symbol in expression.free_symbols):
+        ports.add("port")
     return makers | ports

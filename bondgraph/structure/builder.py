@@ -6,10 +6,14 @@ author calls methods on a `BondGraph`; everything else works on the checked, fro
 """
 
 import math
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+from itertools import pairwise
 
 import sympy
 
 from bondgraph.errors import ParameterError, StructureError, did_you_mean
+from bondgraph.structure.detectors import Detector
 from bondgraph.structure.domains import EnergyDomain, Quantity, domain_named
 from bondgraph.structure.elements import (
     EffortSource,
@@ -21,22 +25,28 @@ from bondgraph.structure.elements import (
     Transformer,
     TwoPort,
     ZeroJunction,
+    is_one_port,
     letter,
 )
+from bondgraph.structure.fields import MultiPort
 from bondgraph.structure.graph import (
     Bond,
+    CausalPreference,
     FinishedGraph,
     Measurement,
-    is_one_port,
+    Wanted,
     used_parameters,
 )
+from bondgraph.structure.linear_units import linear_units
 from bondgraph.structure.parameters import (
     Assumed,
     Parameter,
     ParameterSet,
     Provenance,
 )
-from bondgraph.structure.signals import Signal, canonical
+from bondgraph.structure.renaming import Renaming
+from bondgraph.structure.signals import Signal, canonical, parameters_in
+from bondgraph.structure.subgraphs import SubGraph, renaming_of
 from bondgraph.structure.units import si_unit
 
 
@@ -67,19 +77,25 @@ class BondGraph:
         self._measurements: list[tuple[str, sympy.Expr, str | None]] = []
         self._parameters: dict[str, Parameter] = {}
         self._library = ParameterSet()
+        self._preferences: dict[str, CausalPreference] = {}
+        self._exposed: dict[str, None] = {}
 
-    def one(self, name: str, *elements: OnePort, domain: str | None = None) -> str:
+    def one(
+        self, name: str, *elements: OnePort | Detector, domain: str | None = None
+    ) -> str:
         """Add a 1-junction (common flow) with one-ports on it; return its name."""
         return self._junction(OneJunction(name), elements, domain)
 
-    def zero(self, name: str, *elements: OnePort, domain: str | None = None) -> str:
+    def zero(
+        self, name: str, *elements: OnePort | Detector, domain: str | None = None
+    ) -> str:
         """Add a 0-junction (common effort) with one-ports on it; return its name."""
         return self._junction(ZeroJunction(name), elements, domain)
 
     def _junction(
         self,
         junction: OneJunction | ZeroJunction,
-        elements: tuple[OnePort, ...],
+        elements: tuple[OnePort | Detector, ...],
         domain: str | None,
     ) -> str:
         own = self._domain if domain is None else domain_named(domain)
@@ -89,20 +105,31 @@ class BondGraph:
             self.put(element, on=junction.name)
         return junction.name
 
-    def put(self, element: OnePort, on: str) -> None:
-        """Hang a one-port on the junction called `on`.
+    def put(
+        self, element: OnePort | MultiPort | Detector, on: str | Sequence[str]
+    ) -> None:
+        """Hang a one-port on the junction called `on`, or a field on several.
 
-        Power is positive out of a source and into an I, C or R.
+        Power is positive out of a source and into everything else. The ports of a
+        field are numbered in the order of `on`. A sensor (De, Df, Dp, Dq) takes no
+        power: it adds an output channel of its name.
         """
-        if not is_one_port(element):
+        places = (on,) if isinstance(on, str) else tuple(on)
+        if isinstance(element, Detector) and len(places) == 1:
+            reading = Signal(element.quantity, places[0])
+            self.measure(element.name, reading)
+            return
+        if not (isinstance(element, MultiPort) or is_one_port(element)):
             raise StructureError(
                 f"{element!r} is not a one-port.", (), "Join two-ports with join(...)."
             )
-        domain = self._domain_of(on)
+        domains = [self._domain_of(place) for place in places]
         self._nodes.append(element)
+        name = element.name
         source = isinstance(element, EffortSource | FlowSource)
-        bond = Bond(element.name, on) if source else Bond(on, element.name)
-        self._bonds.append((bond, domain))
+        for place, domain in zip(places, domains, strict=True):
+            bond = Bond(name, place) if source else Bond(place, name)
+            self._bonds.append((bond, domain))
 
     def join(self, tail: str, *path: TwoPort | str) -> None:
         """Join junctions, through a two-port or directly.
@@ -196,6 +223,135 @@ class BondGraph:
             source=Assumed() if source is None else source,
         )
 
+    def prefer(self, element: str, causality: Wanted | str) -> None:
+        """Wish for the causality of an element, or of a field's port ``name[1]``.
+
+        ``integral`` or ``derivative`` for an I or C, ``effort`` or ``flow`` (what it
+        gives) for an R. The rest of the graph may not allow it; the assignment says so.
+        """
+        try:
+            wanted = Wanted(causality)
+        except ValueError:
+            raise StructureError(
+                f"{causality!r} is no causality.",
+                (element,),
+                did_you_mean(str(causality), (w.value for w in Wanted)),
+            ) from None
+        self._preferences[element] = CausalPreference(element, wanted)
+
+    def expose(self, *junctions: str) -> None:
+        """Let other graphs that include this one join these junctions, and no others.
+
+        Without a call every junction may be joined.
+        """
+        for junction in junctions:
+            self._domain_of(junction)
+            self._exposed[junction] = None
+
+    def include(
+        self,
+        graph: "BondGraph | FinishedGraph",
+        name: str | None = None,
+        *,
+        shared: Collection[str] = (),
+    ) -> SubGraph:
+        """Copy another graph into this one; return where it can be joined.
+
+        Parameters
+        ----------
+        name
+            Put before the name of everything in the copy, ``left`` makes the junction
+            ``hub`` be ``left_hub``. None keeps all names.
+        shared
+            Parameters that keep their names, so that all copies have the same.
+
+        Examples
+        --------
+        ``car.join("axle", car.include(wheel, "left")["hub"])``
+        """
+        part = BondGraph._of(graph)
+        renaming = renaming_of(part._nodes, part._measurements, name, shared)
+        self._nodes += [renaming.node(node) for node in part._nodes]
+        self._bonds += [(renaming.bond(b), domain) for b, domain in part._bonds]
+        self._junction_domains.update(
+            (renaming.place(j), domain) for j, domain in part._junction_domains.items()
+        )
+        prefix = "" if name is None else f"{name}_"
+        self._measurements += [
+            (f"{prefix}{output}", renaming.expression(expression), unit)
+            for output, expression, unit in part._measurements
+        ]
+        for preference in part._preferences.values():
+            element = renaming.place(preference.element)
+            self._preferences[element] = CausalPreference(element, preference.wanted)
+        self._include_parameters(part, renaming)
+        exposed = part._exposed or part._junction_domains
+        return SubGraph(name or part.name, {j: renaming.place(j) for j in exposed})
+
+    def _include_parameters(self, part: "BondGraph", renaming: Renaming) -> None:
+        used = used_parameters(part._nodes, ())
+        measured = tuple(n for _, x, _ in part._measurements for n in parameters_in(x))
+        known = part._library.restricted((*used, *measured))
+        for parameter in known.merged(part._parameters.values()).members:
+            new = replace(parameter, name=renaming.parameter(parameter.name))
+            old = self._parameters.setdefault(new.name, new)
+            if old != new:
+                raise ParameterError(
+                    f"The parameter {new.name!r} has two declarations.",
+                    (new.name,),
+                    "Share it with one declaration, or name the sub-graph.",
+                )
+
+    @classmethod
+    def _of(cls, graph: "BondGraph | FinishedGraph") -> "BondGraph":
+        """Return a graph being written that holds what a finished one does."""
+        if isinstance(graph, BondGraph):
+            return graph
+        part = cls(graph.name)
+        part._nodes = list(graph.nodes)
+        part._bonds = list(zip(graph.bonds, graph.domains, strict=True))
+        part._junction_domains = {
+            junction.name: graph.domain_at(junction.name)
+            for junction in graph.junctions
+        }
+        part._measurements = [
+            (m.name, m.expression, m.unit) for m in graph.measurements
+        ]
+        part._parameters = dict(graph.parameters)
+        part._preferences = {p.element: p for p in graph.preferences}
+        return part
+
+    def repeat(
+        self,
+        graph: "BondGraph | FinishedGraph",
+        count: int,
+        name: str,
+        *,
+        chain: tuple[str, str] | None = None,
+        shared: Collection[str] = (),
+    ) -> tuple[SubGraph, ...]:
+        """Include `graph` `count` times, as ``name1``, ``name2``, …; return the parts.
+
+        Parameters
+        ----------
+        chain
+            ``(out, in)``: the junction of each part to join with the next part's.
+        shared
+            Parameters that all parts have in common.
+        """
+        if count < 1:
+            raise StructureError(
+                f"{name!r} is repeated {count} times.", (name,), "Repeat it once."
+            )
+        parts = tuple(
+            self.include(graph, f"{name}{i + 1}", shared=shared) for i in range(count)
+        )
+        if chain is not None:
+            leaving, entering = chain
+            for part, following in pairwise(parts):
+                self.join(part[leaving], following[entering])
+        return parts
+
     def take(self, parameters: ParameterSet) -> None:
         """Take from `parameters` those that this graph uses and does not declare."""
         self._library = self._library.merged(parameters.members)
@@ -210,13 +366,17 @@ class BondGraph:
         """
         bonds = tuple(bond for bond, _ in self._bonds)
         domains = tuple(domain for _, domain in self._bonds)
+        domain_at = self._domain_at()
         measurements = tuple(
-            Measurement(name, expression, self._unit(expression, unit))
+            Measurement(name, expression, self._unit(expression, unit, domain_at))
             for name, expression, unit in self._measurements
         )
         used = used_parameters(self._nodes, measurements)
         declared = self._library.restricted(used).merged(self._parameters.values())
-        undeclared = tuple(Parameter(name=n) for n in used if n not in declared)
+        units = linear_units(self._nodes, bonds, domains)
+        undeclared = tuple(
+            Parameter(name=n, unit=units.get(n, "1")) for n in used if n not in declared
+        )
         return FinishedGraph(
             name=self.name,
             nodes=tuple(self._nodes),
@@ -224,18 +384,29 @@ class BondGraph:
             domains=domains,
             measurements=measurements,
             parameters=_si(declared.merged(undeclared)),
+            preferences=tuple(self._preferences.values()),
         )
 
-    def _unit(self, expression: sympy.Expr, unit: str | None) -> str:
+    def _unit(
+        self,
+        expression: sympy.Expr,
+        unit: str | None,
+        domain_at: dict[str, EnergyDomain],
+    ) -> str:
         """Return a measurement's unit: given, or that of the one signal it reads."""
         if unit is not None:
             return unit
-        if not isinstance(expression, Signal):
-            return "1"
-        for bond, domain in self._bonds:
-            if expression.place in (bond.tail, bond.head, bond.name):
-                return domain.unit(expression.quantity)
+        if isinstance(expression, Signal) and expression.place in domain_at:
+            return domain_at[expression.place].unit(expression.quantity)
         return "1"
+
+    def _domain_at(self) -> dict[str, EnergyDomain]:
+        """Return the domain of the first bond of every node, and of every bond."""
+        found: dict[str, EnergyDomain] = {}
+        for bond, domain in self._bonds:
+            for place in (bond.tail, bond.head, bond.name):
+                found.setdefault(place, domain)
+        return found
 
     def __repr__(self) -> str:
         kinds = " ".join(f"{letter(n)}:{n.name}" for n in self._nodes)

@@ -5,260 +5,222 @@ variable it gives the other: for R, an expression in ``f`` is the effort and one
 ``e`` the flow; for C, one in ``q`` is the effort and one in ``e`` the displacement;
 for I, one in ``p`` is the flow and one in ``f`` the momentum. Without a law the
 element is linear with one parameter that has the element's name:
-``e = R f``, ``q = C e``, ``p = I f``.
+``e = R f``, ``q = C e``, ``p = I f``. Multiports are in `bondgraph.structure.fields`.
 """
 
 from dataclasses import dataclass
+from typing import ClassVar, TypeGuard
 
 import sympy
 
-from bondgraph.errors import EquationError, StructureError
+from bondgraph.errors import StructureError
 from bondgraph.structure import signals
-from bondgraph.structure.signals import PORT_VARIABLES, canonical, parameter_symbol
+from bondgraph.structure.relations import Relation
+from bondgraph.structure.signals import (
+    PORT_VARIABLES,
+    canonical,
+    parameter_symbol,
+    signals_in,
+)
 
-
-def _check_name(name: object, kind: str) -> None:
-    if not isinstance(name, str) or not name.isidentifier():
-        raise StructureError(
-            f"{name!r} cannot name {kind}.",
-            (str(name),),
-            "Use a Python identifier such as motor_shaft.",
-        )
-    if name in {"e", "f", "p", "q", "t"}:
-        raise StructureError(
-            f"The name {name!r} is taken by a port variable.",
-            (name,),
-            "Choose a longer name.",
-        )
+_TAKEN = frozenset({"e", "f", "p", "q", "t"})
 
 
 @dataclass(frozen=True, slots=True)
-class Relation:
-    """A constitutive relation ``output = expression(argument, …)`` of one port."""
+class Named:
+    """Anything in a graph that has a name."""
 
-    output: sympy.Symbol
-    argument: sympy.Symbol
-    expression: sympy.Expr
+    name: str
 
-    def solved_for(self, output: sympy.Symbol) -> sympy.Expr:
-        """Return `output` as an expression of the other port variable.
+    letter: ClassVar[str] = "?"
+    _kind: ClassVar[str] = "a node"
 
-        Raises
-        ------
-        EquationError
-            If the relation is not uniquely invertible in closed form.
-        """
-        if output == self.output:
-            return self.expression
-        if output != self.argument:
-            raise EquationError(f"The relation does not contain {output}.")
-        slope = self.expression.diff(self.argument)
-        if not slope.has(self.argument) and slope != 0:
-            rest = self.expression.xreplace({self.argument: sympy.S.Zero})
-            return (self.output - rest) / slope
-        raise EquationError(
-            f"The law {self.output} = {self.expression} cannot be inverted uniquely.",
-            (str(self.output), str(self.argument)),
-            f"Write the law as an expression in {self.output}.",
-        )
-
-
-def _relation(
-    name: str, law: sympy.Expr | None, pair: tuple[sympy.Symbol, sympy.Symbol]
-) -> Relation:
-    """Return the relation of an element whose law uses one of the `pair`.
-
-    ``pair`` is (variable the law is usually written in, variable it then gives).
-    """
-    argument, output = pair
-    if law is None:
-        return Relation(argument, output, parameter_symbol(name) * output)
-    used = law.free_symbols & PORT_VARIABLES
-    if used <= {argument}:
-        return Relation(output, argument, law)
-    if used == {output}:
-        return Relation(argument, output, law)
-    raise StructureError(
-        f"The law of {name!r} uses {', '.join(sorted(map(str, used)))}.",
-        (name,),
-        f"Write it in {argument} (giving {output}) or in {output} (giving {argument}).",
-    )
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name.isidentifier():
+            raise StructureError(
+                f"{self.name!r} cannot name {self._kind}.",
+                (str(self.name),),
+                "Use a Python identifier such as motor_shaft.",
+            )
+        if self.name in _TAKEN:
+            raise StructureError(
+                f"The name {self.name!r} is taken by a port variable.",
+                (self.name,),
+                "Choose a longer name.",
+            )
 
 
 @dataclass(frozen=True, slots=True)
-class EffortSource:
+class _Source(Named):
+    value: sympy.Expr | None = None
+
+    _kind: ClassVar[str] = "a source"
+
+    def __post_init__(self) -> None:
+        Named.__post_init__(self)
+        if self.value is not None:
+            object.__setattr__(self, "value", canonical(self.value))
+
+
+@dataclass(frozen=True, slots=True)
+class EffortSource(_Source):
     """Se: imposes an effort; an input named like it, or an expression."""
 
-    name: str
-    value: sympy.Expr | None = None
-
-    def __post_init__(self) -> None:
-        _check_name(self.name, "a source")
-        if self.value is not None:
-            object.__setattr__(self, "value", canonical(self.value))
+    letter: ClassVar[str] = "Se"
 
 
 @dataclass(frozen=True, slots=True)
-class FlowSource:
+class FlowSource(_Source):
     """Sf: imposes a flow; an input named like it, or an expression."""
 
-    name: str
-    value: sympy.Expr | None = None
-
-    def __post_init__(self) -> None:
-        _check_name(self.name, "a source")
-        if self.value is not None:
-            object.__setattr__(self, "value", canonical(self.value))
+    letter: ClassVar[str] = "Sf"
 
 
 @dataclass(frozen=True, slots=True)
-class Inertance:
+class _WithRelation(Named):
+    """A one-port with a law between `_big` and `_small`; linear: big = name small."""
+
+    law: sympy.Expr | None = None
+
+    _big: ClassVar[sympy.Symbol]
+    _small: ClassVar[sympy.Symbol]
+
+    def __post_init__(self) -> None:
+        Named.__post_init__(self)
+        if self.law is not None:
+            object.__setattr__(self, "law", canonical(self.law))
+            assert self.relation is not None  # refuses a law in the wrong variables
+
+    @property
+    def relation(self) -> Relation:
+        """The relation between the two port variables, as written."""
+        big, small = self._big, self._small
+        if self.law is None:
+            return Relation(big, small, parameter_symbol(self.name) * small)
+        used = {s for s in self.law.free_symbols if signals.is_port_variable(s)}
+        for output, argument in ((small, big), (big, small)):
+            usual = argument == (small if isinstance(self, Resistance) else big)
+            if used == {argument} or (usual and not used):
+                return Relation(output, argument, self.law)
+        raise StructureError(
+            f"The law of {self.name!r} uses {', '.join(sorted(map(str, used)))}.",
+            (self.name,),
+            f"Write it in {small} (giving {big}) or in {big} (giving {small}).",
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Inertance(_WithRelation):
     """I: stores momentum; linear ``p = I f`` or a law."""
 
-    name: str
-    law: sympy.Expr | None = None
-
-    def __post_init__(self) -> None:
-        _check_name(self.name, "an I")
-        if self.law is not None:
-            object.__setattr__(self, "law", canonical(self.law))
-        assert self.relation is not None
-
-    @property
-    def relation(self) -> Relation:
-        """The relation between flow and momentum."""
-        return _relation(self.name, self.law, (signals.p, signals.f))
+    letter: ClassVar[str] = "I"
+    _kind: ClassVar[str] = "an I"
+    _big: ClassVar[sympy.Symbol] = signals.p
+    _small: ClassVar[sympy.Symbol] = signals.f
 
 
 @dataclass(frozen=True, slots=True)
-class Compliance:
+class Compliance(_WithRelation):
     """C: stores displacement; linear ``q = C e`` or a law."""
 
-    name: str
-    law: sympy.Expr | None = None
-
-    def __post_init__(self) -> None:
-        _check_name(self.name, "a C")
-        if self.law is not None:
-            object.__setattr__(self, "law", canonical(self.law))
-        assert self.relation is not None
-
-    @property
-    def relation(self) -> Relation:
-        """The relation between effort and displacement."""
-        return _relation(self.name, self.law, (signals.q, signals.e))
+    letter: ClassVar[str] = "C"
+    _kind: ClassVar[str] = "a C"
+    _big: ClassVar[sympy.Symbol] = signals.q
+    _small: ClassVar[sympy.Symbol] = signals.e
 
 
 @dataclass(frozen=True, slots=True)
-class Resistance:
+class Resistance(_WithRelation):
     """R: dissipates; linear ``e = R f`` or a law."""
 
-    name: str
-    law: sympy.Expr | None = None
-
-    def __post_init__(self) -> None:
-        _check_name(self.name, "an R")
-        if self.law is not None:
-            object.__setattr__(self, "law", canonical(self.law))
-        assert self.relation is not None
-
-    @property
-    def relation(self) -> Relation:
-        """The relation between effort and flow."""
-        if self.law is None:
-            return Relation(
-                signals.e, signals.f, parameter_symbol(self.name) * signals.f
-            )
-        return _relation(self.name, self.law, (signals.f, signals.e))
-
-
-def _modulus(name: str, modulus: sympy.Expr | None) -> sympy.Expr:
-    return parameter_symbol(name) if modulus is None else modulus
+    letter: ClassVar[str] = "R"
+    _kind: ClassVar[str] = "an R"
+    _big: ClassVar[sympy.Symbol] = signals.e
+    _small: ClassVar[sympy.Symbol] = signals.f
 
 
 @dataclass(frozen=True, slots=True)
-class Transformer:
+class _WithModulus(Named):
+    law: sympy.Expr | None = None
+
+    def __post_init__(self) -> None:
+        Named.__post_init__(self)
+        if self.law is None:
+            return
+        object.__setattr__(self, "law", canonical(self.law))
+        used = self.modulus.free_symbols & PORT_VARIABLES
+        if used:
+            raise StructureError(
+                f"The modulus of {self.name!r} uses {', '.join(map(str, used))}, and "
+                f"it has two ports.",
+                (self.name,),
+                'Say which variable is meant: displacement("joint").',
+            )
+
+    @property
+    def modulus(self) -> sympy.Expr:
+        """The modulus, an expression of parameters and signals."""
+        return parameter_symbol(self.name) if self.law is None else self.law
+
+
+@dataclass(frozen=True, slots=True)
+class Transformer(_WithModulus):
     """TF from a to b with modulus K: ``e_b = K e_a`` and ``f_a = K f_b``."""
 
-    name: str
-    law: sympy.Expr | None = None
-
-    def __post_init__(self) -> None:
-        _check_name(self.name, "a TF")
-        if self.law is not None:
-            object.__setattr__(self, "law", canonical(self.law))
-
-    @property
-    def modulus(self) -> sympy.Expr:
-        """The modulus K, an expression of parameters and signals."""
-        return _modulus(self.name, self.law)
+    letter: ClassVar[str] = "TF"
+    _kind: ClassVar[str] = "a TF"
 
 
 @dataclass(frozen=True, slots=True)
-class Gyrator:
+class Gyrator(_WithModulus):
     """GY from a to b with modulus r: ``e_b = r f_a`` and ``e_a = r f_b``."""
 
-    name: str
-    law: sympy.Expr | None = None
-
-    def __post_init__(self) -> None:
-        _check_name(self.name, "a GY")
-        if self.law is not None:
-            object.__setattr__(self, "law", canonical(self.law))
-
-    @property
-    def modulus(self) -> sympy.Expr:
-        """The modulus r, an expression of parameters and signals."""
-        return _modulus(self.name, self.law)
+    letter: ClassVar[str] = "GY"
+    _kind: ClassVar[str] = "a GY"
 
 
 @dataclass(frozen=True, slots=True)
-class ZeroJunction:
+class ZeroJunction(Named):
     """0: one effort common to its bonds; the flows balance."""
 
-    name: str
-
-    def __post_init__(self) -> None:
-        _check_name(self.name, "a junction")
+    letter: ClassVar[str] = "0"
+    _kind: ClassVar[str] = "a junction"
 
 
 @dataclass(frozen=True, slots=True)
-class OneJunction:
+class OneJunction(Named):
     """1: one flow common to its bonds; the efforts balance."""
 
-    name: str
-
-    def __post_init__(self) -> None:
-        _check_name(self.name, "a junction")
+    letter: ClassVar[str] = "1"
+    _kind: ClassVar[str] = "a junction"
 
 
 Source = EffortSource | FlowSource
 Storage = Inertance | Compliance
 OnePort = EffortSource | FlowSource | Inertance | Compliance | Resistance
 TwoPort = Transformer | Gyrator
-Element = OnePort | TwoPort
 Junction = ZeroJunction | OneJunction
-Node = Element | Junction
-
-LETTERS: dict[type, str] = {
-    EffortSource: "Se",
-    FlowSource: "Sf",
-    Inertance: "I",
-    Compliance: "C",
-    Resistance: "R",
-    Transformer: "TF",
-    Gyrator: "GY",
-    ZeroJunction: "0",
-    OneJunction: "1",
-}
+Node = Named
 
 
 def letter(node: Node) -> str:
     """Return the field's letter for the kind of `node` (``Se``, ``1``, …)."""
-    return LETTERS[type(node)]
+    return node.letter
 
 
-# The field's letters, for authors.
+def is_one_port(node: object) -> TypeGuard[OnePort]:
+    """Return whether `node` has exactly one port."""
+    return isinstance(node, OnePort)
+
+
+def is_modulated(law: sympy.Expr | None) -> bool:
+    """Return whether a law reads a signal from elsewhere in the graph."""
+    return law is not None and bool(signals_in(law))
+
+
+# The field's letters, for authors. What makes a source, transformer or gyrator
+# modulated is its law; MTF("k", law) only says so to the reader.
 Se, Sf = EffortSource, FlowSource
 I, C, R = Inertance, Compliance, Resistance
 TF, GY = Transformer, Gyrator
+MSe, MSf, MTF, MGY, MR = EffortSource, FlowSource, Transformer, Gyrator, Resistance

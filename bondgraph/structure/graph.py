@@ -3,33 +3,25 @@
 A `FinishedGraph` is valid by construction and never modified; edits return new ones.
 """
 
-from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 
 import sympy
 
-from bondgraph.errors import ParameterError, StructureError, UnitError, did_you_mean
+from bondgraph.errors import StructureError, did_you_mean
+from bondgraph.structure.checks import check_graph
 from bondgraph.structure.domains import EnergyDomain, Quantity
 from bondgraph.structure.elements import (
-    Compliance,
     EffortSource,
-    Element,
     FlowSource,
-    Gyrator,
-    Inertance,
     Junction,
     Node,
-    OneJunction,
-    OnePort,
-    Resistance,
-    Transformer,
-    ZeroJunction,
-    letter,
+    is_one_port,
 )
+from bondgraph.structure.nodes import laws_of, parameters_of
 from bondgraph.structure.parameters import Parameter, ParameterSet
-from bondgraph.structure.signals import Signal, parameters_in, signals_in
-from bondgraph.structure.units import compatible
+from bondgraph.structure.signals import parameters_in
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +50,23 @@ class Measurement:
     unit: str
 
 
+class Wanted(StrEnum):
+    """What the author wants of an element's causality."""
+
+    INTEGRAL = "integral"
+    DERIVATIVE = "derivative"
+    GIVES_EFFORT = "effort"
+    GIVES_FLOW = "flow"
+
+
+@dataclass(frozen=True, slots=True)
+class CausalPreference:
+    """The author's wish for the causality of an element (or a field's port)."""
+
+    element: str
+    wanted: Wanted
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FinishedGraph:
     """A bond graph whose structure has been checked.
@@ -74,6 +83,8 @@ class FinishedGraph:
         The outputs.
     parameters
         One entry per parameter that a law uses; its value may be missing.
+    preferences
+        The author's wishes for causality.
     """
 
     name: str
@@ -82,51 +93,62 @@ class FinishedGraph:
     domains: tuple[EnergyDomain, ...]
     measurements: tuple[Measurement, ...] = ()
     parameters: ParameterSet = field(default_factory=ParameterSet)
+    preferences: tuple[CausalPreference, ...] = ()
+    _nodes: dict[str, Node] = field(init=False, repr=False, compare=False)
+    _bonds_at: dict[str, list[int]] = field(init=False, repr=False, compare=False)
+    _bond: dict[str, int] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        _check_names(self.nodes)
-        _check_bonds(self)
-        _check_signals(self)
-        _check_parameters(self)
+        at: dict[str, list[int]] = {node.name: [] for node in self.nodes}
+        for i, bond in enumerate(self.bonds):
+            at.setdefault(bond.tail, []).append(i)
+            at.setdefault(bond.head, []).append(i)
+        object.__setattr__(self, "_nodes", {node.name: node for node in self.nodes})
+        object.__setattr__(self, "_bonds_at", at)
+        names = {bond.name: i for i, bond in enumerate(self.bonds)}
+        object.__setattr__(self, "_bond", names)
+        check_graph(self)
 
     @property
-    def by_name(self) -> dict[str, Node]:
+    def by_name(self) -> Mapping[str, Node]:
         """The nodes by name."""
-        return {node.name: node for node in self.nodes}
+        return self._nodes
 
     def node(self, name: str) -> Node:
         """Return the node called `name`, or refuse naming the closest ones."""
-        for node in self.nodes:
-            if node.name == name:
-                return node
-        raise StructureError(
-            f"There is no junction or element {name!r} in {self.name!r}.",
-            (name,),
-            did_you_mean(name, (n.name for n in self.nodes)),
-        )
+        try:
+            return self._nodes[name]
+        except KeyError:
+            raise StructureError(
+                f"There is no junction or element {name!r} in {self.name!r}.",
+                (name,),
+                did_you_mean(name, self._nodes),
+            ) from None
 
     def bonds_at(self, name: str) -> tuple[Bond, ...]:
         """Return the bonds at a node, in the author's order."""
-        return tuple(b for b in self.bonds if name in (b.tail, b.head))
+        return tuple(self.bonds[i] for i in self._bonds_at.get(name, ()))
+
+    def has_place(self, name: str) -> bool:
+        """Return whether there is a node or bond called `name`."""
+        return name in self._nodes or name in self._bond
 
     def domain_at(self, name: str) -> EnergyDomain:
-        """Return the domain of a junction or one-port (of its first bond)."""
-        for bond, domain in zip(self.bonds, self.domains, strict=True):
-            if name in (bond.tail, bond.head, bond.name):
-                return domain
-        raise StructureError(f"{name!r} has no bond.", (name,), "Connect it.")
+        """Return the domain of a junction or one-port (of its first bond) or bond."""
+        bonds = self._bonds_at.get(name) or [self._bond.get(name, -1)]
+        if bonds[0] < 0:
+            raise StructureError(f"{name!r} has no bond.", (name,), "Connect it.")
+        return self.domains[bonds[0]]
 
     @property
     def junctions(self) -> tuple[Junction, ...]:
         """The junctions, in the author's order."""
-        return tuple(n for n in self.nodes if isinstance(n, ZeroJunction | OneJunction))
+        return tuple(n for n in self.nodes if isinstance(n, Junction))
 
     @property
-    def elements(self) -> tuple[Element, ...]:
-        """The one- and two-ports, in the author's order."""
-        return tuple(
-            n for n in self.nodes if not isinstance(n, ZeroJunction | OneJunction)
-        )
+    def elements(self) -> tuple[Node, ...]:
+        """The one-, two- and multiports, in the author's order."""
+        return tuple(n for n in self.nodes if not isinstance(n, Junction))
 
     @property
     def inputs(self) -> tuple[EffortSource | FlowSource, ...]:
@@ -174,148 +196,12 @@ class FinishedGraph:
             domains=self.domains,
             measurements=self.measurements,
             parameters=parameters,
+            preferences=self.preferences,
         )
 
     def finish(self) -> "FinishedGraph":
         """Return the graph itself (it is finished)."""
         return self
-
-
-def laws_of(node: Node) -> tuple[sympy.Expr, ...]:
-    """Return the expressions that define `node`."""
-    match node:
-        case EffortSource() | FlowSource():
-            return () if node.value is None else (node.value,)
-        case Inertance() | Compliance() | Resistance():
-            return (node.relation.expression,)
-        case Transformer() | Gyrator():
-            return (node.modulus,)
-        case ZeroJunction() | OneJunction():
-            return ()
-
-
-def _check_names(nodes: tuple[Node, ...]) -> None:
-    if not nodes:
-        raise StructureError(
-            "The graph is empty.", (), "Add a junction with one(...) or zero(...)."
-        )
-    for name, count in Counter(node.name for node in nodes).items():
-        if count > 1:
-            kinds = " and ".join(letter(n) for n in nodes if n.name == name)
-            raise StructureError(
-                f"The name {name!r} is used {count} times ({kinds}).",
-                (name,),
-                "Give every junction and element a name of its own.",
-            )
-
-
-def _check_bonds(graph: FinishedGraph) -> None:
-    nodes = graph.by_name
-    ports: defaultdict[str, int] = defaultdict(int)
-    for bond in graph.bonds:
-        for end in (bond.tail, bond.head):
-            if end not in nodes:
-                raise StructureError(
-                    f"The bond {bond.name!r} dangles: there is no {end!r}.",
-                    (bond.name, end),
-                    did_you_mean(end, nodes),
-                )
-            ports[end] += 1
-        if bond.tail == bond.head:
-            raise StructureError(
-                f"The bond {bond.name!r} joins {bond.tail!r} to itself.",
-                (bond.name,),
-                "Join two different junctions.",
-            )
-    for node in graph.nodes:
-        _check_port_count(node, ports[node.name])
-
-
-def _check_port_count(node: Node, count: int) -> None:
-    match node:
-        case ZeroJunction() | OneJunction():
-            if count == 0:
-                raise StructureError(
-                    f"The {letter(node)}-junction {node.name!r} has no bond.",
-                    (node.name,),
-                    "Put an element on it or join it.",
-                )
-        case Transformer() | Gyrator():
-            if count != 2:
-                raise StructureError(
-                    f"{letter(node)} {node.name!r} dangles: it has {count} of 2 bonds.",
-                    (node.name,),
-                    "Join it between two junctions.",
-                )
-        case _:
-            if count != 1:
-                raise StructureError(
-                    f"{letter(node)} {node.name!r} has {count} bonds and needs 1.",
-                    (node.name,),
-                    "Put it on exactly one junction.",
-                )
-
-
-def _check_signals(graph: FinishedGraph) -> None:
-    places = set(graph.by_name) | {bond.name for bond in graph.bonds}
-    expressions = [
-        (node.name, law) for node in graph.nodes for law in laws_of(node)
-    ] + [(m.name, m.expression) for m in graph.measurements]
-    for owner, expression in expressions:
-        for signal in signals_in(expression):
-            if signal.place not in places:
-                raise StructureError(
-                    f"{owner!r} reads {signal}, and there is no such place.",
-                    (owner, signal.place),
-                    did_you_mean(signal.place, places),
-                )
-            _check_signal_is_common(graph, owner, signal)
-
-
-def _check_signal_is_common(graph: FinishedGraph, owner: str, signal: Signal) -> None:
-    """Refuse a signal that its junction does not have in common."""
-    node = graph.by_name.get(signal.place)
-    if isinstance(node, Transformer | Gyrator):
-        names = ", ".join(repr(b.name) for b in graph.bonds_at(node.name))
-        raise StructureError(
-            f"{owner!r} reads {signal}, but {node.name!r} has two ports.",
-            (owner, node.name),
-            f"Name the bond instead: {names}.",
-        )
-    flows = (Quantity.FLOW, Quantity.DISPLACEMENT)
-    efforts = (Quantity.EFFORT, Quantity.MOMENTUM)
-    if isinstance(node, OneJunction) and signal.quantity in efforts:
-        common, kind = "flow", "1"
-    elif isinstance(node, ZeroJunction) and signal.quantity in flows:
-        common, kind = "effort", "0"
-    else:
-        return
-    names = ", ".join(repr(b.name) for b in graph.bonds_at(signal.place))
-    raise StructureError(
-        f"{owner!r} reads {signal}, but the {kind}-junction {signal.place!r} has only "
-        f"its {common} in common.",
-        (owner, signal.place),
-        f"Read it at a bond: {names}.",
-    )
-
-
-def _check_parameters(graph: FinishedGraph) -> None:
-    used = set(used_parameters(graph.nodes, graph.measurements))
-    for parameter in graph.parameters.members:
-        if parameter.name not in used:
-            raise ParameterError(
-                f"No law of {graph.name!r} uses the parameter {parameter.name!r}.",
-                (parameter.name,),
-                did_you_mean(parameter.name, used),
-            )
-    for name in used - set(graph.parameters):
-        raise ParameterError(
-            f"The parameter {name!r} of {graph.name!r} is not declared.",
-            (name,),
-            "Declare it with parameter(name, value, unit).",
-        )
-    for node in graph.nodes:
-        _check_linear_unit(graph, node)
 
 
 def used_parameters(
@@ -324,51 +210,18 @@ def used_parameters(
     """Return the names of all parameters that laws and measurements use, in order."""
     names: dict[str, None] = {}
     for node in nodes:
-        for law in laws_of(node):
-            names.update(dict.fromkeys(parameters_in(law)))
+        names.update(dict.fromkeys(parameters_of(node)))
     for measurement in measurements:
         names.update(dict.fromkeys(parameters_in(measurement.expression)))
     return tuple(names)
 
 
-_LINEAR_UNITS = {
-    Resistance: (Quantity.EFFORT, Quantity.FLOW),
-    Inertance: (Quantity.MOMENTUM, Quantity.FLOW),
-    Compliance: (Quantity.DISPLACEMENT, Quantity.EFFORT),
-}
-
-
-def _check_linear_unit(graph: FinishedGraph, node: Node) -> None:
-    """Check that a linear one-port's parameter has the unit its domain gives."""
-    if not isinstance(node, Resistance | Inertance | Compliance) or node.law:
-        return
-    domain = graph.domain_at(node.name)
-    parameter = graph.parameters[node.name]
-    if not domain.checked or parameter.value is None:
-        return
-    above, below = _LINEAR_UNITS[type(node)]
-    unit = f"({domain.unit(above)})/({domain.unit(below)})"
-    if not compatible(parameter.unit, unit):
-        raise UnitError(
-            f"{letter(node)} {node.name!r} is in {parameter.unit!r}, which is not a "
-            f"unit of {domain.word(above)} per {domain.word(below)} ({unit}).",
-            (node.name,),
-            f"Give it in {unit} or a unit that converts to it.",
-        )
-
-
-def is_one_port(node: Node) -> bool:
-    """Return whether `node` has exactly one port."""
-    return isinstance(
-        node, EffortSource | FlowSource | Inertance | Compliance | Resistance
-    )
-
-
 __all__ = [
     "Bond",
+    "CausalPreference",
     "FinishedGraph",
     "Measurement",
-    "OnePort",
+    "Wanted",
     "is_one_port",
     "laws_of",
     "used_parameters",

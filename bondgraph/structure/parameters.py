@@ -137,20 +137,19 @@ class ParameterSet(Mapping[str, Parameter]):
     """Parameters by name, in a fixed order; never modified."""
 
     members: tuple[Parameter, ...] = ()
+    _index: dict[str, Parameter] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        names = [member.name for member in self.members]
-        for name in names:
-            if names.count(name) > 1:
-                raise ParameterError(
-                    f"Parameter {name!r} is given twice.", (name,), "Keep one of them."
-                )
+        object.__setattr__(self, "_index", {m.name: m for m in self.members})
+        if len(self._index) < len(self.members):
+            names = [member.name for member in self.members]
+            name = next(n for n in names if names.count(n) > 1)
+            raise ParameterError(
+                f"Parameter {name!r} is given twice.", (name,), "Keep one of them."
+            )
 
     def __getitem__(self, name: str) -> Parameter:
-        for member in self.members:
-            if member.name == name:
-                return member
-        raise KeyError(name)
+        return self._index[name]
 
     def __iter__(self) -> Iterator[str]:
         return (member.name for member in self.members)

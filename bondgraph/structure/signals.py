@@ -1,7 +1,8 @@
 """Symbols that a law or a measurement may use.
 
 Port variables ``e f p q`` stand for the element's own effort, flow, momentum and
-displacement; ``t`` is time. A `Signal` stands for a variable at another named place
+displacement, those of a field's ports are numbered (``ports("q", 2)`` gives q[1] and
+q[2]); ``t`` is time. A `Signal` stands for a variable at another named place
 of the graph (a junction, a one-port element, or a bond), which is how modulation and
 measurements are written. Every other symbol in an expression is a parameter.
 """
@@ -10,6 +11,7 @@ from typing import Any, Self
 
 import sympy
 
+from bondgraph.errors import StructureError
 from bondgraph.structure.domains import Quantity
 
 e, f, p, q, t = sympy.symbols("e f p q t", real=True)
@@ -46,6 +48,52 @@ class Signal(sympy.Symbol):  # type: ignore[misc]
 
     def _sympystr(self, printer: object) -> str:
         return f'{self.quantity}("{self.place}")'
+
+
+class PortVariable(sympy.Symbol):  # type: ignore[misc]
+    """The effort, flow, momentum or displacement of one port of a field.
+
+    ``letter`` is one of e, f, p, q; ``number`` counts the ports from 1.
+    """
+
+    __slots__ = ("letter", "number")
+    letter: str
+    number: int
+
+    def __new__(cls, letter: str, number: int) -> Self:
+        """Return the symbol; equal arguments give equal symbols."""
+        if letter not in {"e", "f", "p", "q"}:
+            raise StructureError(
+                f"A port has no variable {letter!r}.", (letter,), "Use e, f, p or q."
+            )
+        symbol: Self = sympy.Symbol.__xnew__(cls, f"{letter}[{number}]", real=True)
+        symbol.letter = letter
+        symbol.number = number
+        return symbol
+
+    def __getnewargs_ex__(self) -> tuple[tuple[str, int], dict[str, Any]]:
+        return (self.letter, self.number), {}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.letter, self.number)
+
+    def _hashable_content(self) -> tuple[Any, ...]:
+        return (*super()._hashable_content(), self.letter, self.number)
+
+
+def port(letter: str, number: int) -> PortVariable:
+    """Return the variable ``letter[number]`` of a field's port."""
+    return PortVariable(letter, number)
+
+
+def ports(letter: str, count: int) -> tuple[PortVariable, ...]:
+    """Return the variables ``letter[1] … letter[count]`` of a field's ports."""
+    return tuple(PortVariable(letter, i + 1) for i in range(count))
+
+
+def is_port_variable(symbol: sympy.Symbol) -> bool:
+    """Return whether `symbol` stands for an element's own effort, flow, p or q."""
+    return symbol in PORT_VARIABLES or isinstance(symbol, PortVariable)
 
 
 def effort(place: str) -> Signal:
@@ -85,7 +133,7 @@ def canonical(expression: object) -> sympy.Expr:
         {
             symbol: by_name.get(symbol.name, parameter_symbol(symbol.name))
             for symbol in sympified.free_symbols
-            if not isinstance(symbol, Signal)
+            if not isinstance(symbol, Signal | PortVariable)
         }
     )
 
@@ -103,7 +151,7 @@ def parameters_in(expression: sympy.Expr) -> tuple[str, ...]:
             symbol.name
             for symbol in expression.free_symbols
             if not isinstance(symbol, Signal)
-            and symbol not in PORT_VARIABLES
+            and not is_port_variable(symbol)
             and symbol != t
         )
     )

@@ -1,0 +1,126 @@
+"""Constitutive relations: one port's law, and its inverse where a formula exists.
+
+A law is written in one port variable and gives the other. Causality may ask for the
+opposite direction; `inverse` peels the law from outside inwards and answers only where
+each value has exactly one argument, whatever the parameters' values are.
+"""
+
+from dataclasses import dataclass
+
+import sympy
+
+from bondgraph.errors import EquationError
+
+
+@dataclass(frozen=True, slots=True)
+class Relation:
+    """A constitutive relation ``output = expression(argument, …)`` of one port."""
+
+    output: sympy.Symbol
+    argument: sympy.Symbol
+    expression: sympy.Expr
+
+    def solved_for(self, output: sympy.Symbol) -> sympy.Expr:
+        """Return `output` as an expression of the other port variable.
+
+        Raises
+        ------
+        EquationError
+            If the relation is not uniquely invertible in closed form.
+        """
+        if output == self.output:
+            return self.expression
+        if output != self.argument:
+            raise EquationError(f"The relation does not contain {output}.")
+        found = inverse(self.expression, self.argument, self.output)
+        if found is not None:
+            return found
+        raise EquationError(
+            f"The law {self.output} = {self.expression} cannot be inverted uniquely.",
+            (str(self.output), str(self.argument)),
+            f"Write the law as an expression in {self.output}.",
+        )
+
+
+def inverse(
+    expression: sympy.Expr, argument: sympy.Symbol, value: sympy.Expr
+) -> sympy.Expr | None:
+    """Return the one real `argument` at which `expression` has `value`, or None.
+
+    None also where there is one, but no formula, or only for some parameter values.
+    """
+    slope = expression.diff(argument)
+    if slope != 0 and argument not in slope.free_symbols:
+        rest = expression.xreplace({argument: sympy.S.Zero})
+        return (value - rest) / slope
+    here = expression
+    while here != argument:
+        peeled = _peeled(here, argument, value)
+        if peeled is None:
+            return None
+        here, value = peeled
+    return value
+
+
+def _peeled(
+    expression: sympy.Expr, argument: sympy.Symbol, value: sympy.Expr
+) -> tuple[sympy.Expr, sympy.Expr] | None:
+    """Take the outermost operation off; return what is inside and its value."""
+    if expression.is_Add:
+        rest, inner = expression.as_independent(argument, as_Add=True)
+        return None if inner.is_Add else (inner, value - rest)
+    power = _odd_power(expression, argument)
+    if power is not None:
+        factor, exponent = power
+        value = value / factor
+        return argument, sympy.sign(value) * sympy.Abs(value) ** (1 / exponent)
+    if expression.is_Mul:
+        rest, inner = expression.as_independent(argument, as_Add=False)
+        return None if inner.is_Mul else (inner, value / rest)
+    if expression.is_Pow:
+        return _peeled_power(expression, argument, value)
+    undo = _INVERSES.get(expression.func)
+    return None if undo is None else (expression.args[0], undo(value))
+
+
+# Outside its range an inverse must be no number: tan would take atan's up again.
+_INVERSES = {
+    sympy.exp: sympy.log,
+    sympy.log: sympy.exp,
+    sympy.tanh: lambda y: sympy.log((1 + y) / (1 - y)) / 2,
+}
+
+
+def _peeled_power(
+    power: sympy.Pow, argument: sympy.Symbol, value: sympy.Expr
+) -> tuple[sympy.Expr, sympy.Expr] | None:
+    base, exponent = power.base, power.exp
+    if not exponent.has(argument):
+        odd = exponent.is_Integer and exponent % 2 == 1 and exponent > 0
+        root = sympy.sign(value) * sympy.Abs(value) ** (1 / exponent)
+        return (base, root) if odd else None
+    if base.is_number and base.is_positive and base != 1:
+        return exponent, sympy.log(value) / sympy.log(base)
+    return None
+
+
+def _odd_power(
+    expression: sympy.Expr, argument: sympy.Symbol
+) -> tuple[sympy.Expr, sympy.Expr] | None:
+    """Return (factor, n) if the expression is factor · sign(x) |x|ⁿ with n > 0."""
+    factor, signs, exponent = sympy.S.One, 0, sympy.S.Zero
+    for part in sympy.Mul.make_args(expression):
+        base, power = part.as_base_exp()
+        if not part.has(argument):
+            factor *= part
+        elif base == argument and power.is_Integer:
+            signs, exponent = signs + int(power), exponent + power
+        elif base == sympy.Abs(argument) and not power.has(argument):
+            exponent += power
+        elif part == sympy.sign(argument):
+            signs += 1
+        else:
+            return None
+    if signs % 2 == 0 or not exponent.is_positive:
+        return None
+    return factor, exponent
