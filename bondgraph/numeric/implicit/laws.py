@@ -1,0 +1,189 @@
+"""Laws for many elements at once: equal up to names is one vectorised function.
+
+The laws of a thousand cubic springs differ only in the names of their parameters and
+in what they read. They form one group: the expression is differentiated and turned
+into numpy code once, and evaluated with arrays that have one entry per element.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+
+from bondgraph.structure import signals
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Read:
+    """A signed column: the value of a symbol is ``sign * z[column]``."""
+
+    column: int
+    sign: int
+
+
+@dataclass(frozen=True, slots=True)
+class LawRow:
+    """``… = expression`` in one row; `reads` are its symbols that are columns."""
+
+    row: int
+    expression: sympy.Expr
+    reads: Mapping[sympy.Symbol, Read]
+
+
+@dataclass(frozen=True, slots=True)
+class LawGroup:
+    """Rows whose expressions are equal up to names.
+
+    Parameters
+    ----------
+    rows
+        One per member.
+    columns, signs
+        What each member reads, ``[read, member]``.
+    constants
+        Values of parameters and literal numbers, ``[constant, member]``.
+    linear
+        Whether no partial depends on what is read or on time.
+    function
+        Takes reads, constants and t; gives the values, a partial per read and the
+        partial to t.
+    jumps
+        Takes the same; gives pairs of what vanishes where the law jumps, and half the
+        height of the jump.
+    """
+
+    expression: sympy.Expr
+    rows: Index
+    columns: Index
+    signs: Array
+    constants: Array
+    linear: bool
+    function: Callable[..., Sequence[Any]]
+    jumps: Callable[..., Sequence[Any]] | None = None
+
+    def evaluate(self, z: Array, t: float) -> tuple[Array, Array, Array]:
+        """Return the values, partials ``[read, member]`` and partials to t."""
+        reads = self.signs * z[self.columns]
+        with np.errstate(all="ignore"):  # a kink or a pole shows as inf or nan
+            results = self.function(*reads, *self.constants, t)
+        found = np.empty((len(results), len(self.rows)))
+        for k, result in enumerate(results):
+            found[k] = result
+        return found[0], self.signs * found[1:-1], found[-1]
+
+    def at_jump(self, z: Array, t: float) -> NDArray[np.bool_]:
+        """Return which members stand exactly where their law jumps."""
+        found = np.zeros(len(self.rows), bool)
+        if self.jumps is not None:
+            reads = self.signs * z[self.columns]
+            for position, height in self.jumps(*reads, *self.constants, t):
+                found |= (np.asarray(position) == 0.0) & (np.asarray(height) != 0.0)
+        return found
+
+
+@dataclass(slots=True)
+class _Members:
+    """A group while it is being collected."""
+
+    expression: sympy.Expr
+    arguments: list[sympy.Symbol]
+    n_reads: int
+    rows: list[int] = field(default_factory=list)
+    columns: list[list[int]] = field(default_factory=list)
+    signs: list[list[int]] = field(default_factory=list)
+    constants: list[list[float]] = field(default_factory=list)
+
+    def frozen(self) -> LawGroup:
+        size = len(self.rows)
+
+        def by_argument(table: list[list[Any]], kind: type) -> NDArray[Any]:
+            return np.array(table, kind).reshape(size, -1).T.copy()
+
+        reads = self.arguments[: self.n_reads]
+        arguments = [*self.arguments, signals.t]
+        slopes = [self.expression.diff(x) for x in (*reads, signals.t)]
+        jumps = [
+            sympy.Tuple(delta.args[0], slope.coeff(delta))
+            for slope in slopes
+            for delta in slope.atoms(sympy.DiracDelta)
+        ]
+        partials = [_flat(slope) for slope in slopes]
+        varying = {*reads, signals.t}
+        return LawGroup(
+            self.expression,
+            np.array(self.rows, np.int64),
+            by_argument(self.columns, np.int64),
+            by_argument(self.signs, float),
+            by_argument(self.constants, float),
+            all(varying.isdisjoint(x.free_symbols) for x in partials[:-1]),
+            _compiled(arguments, [self.expression, *partials]),
+            _compiled(arguments, jumps) if jumps else None,
+        )
+
+
+def _compiled(
+    arguments: list[sympy.Symbol], results: list[sympy.Basic]
+) -> Callable[..., Sequence[Any]]:
+    found: Callable[..., Sequence[Any]] = sympy.lambdify(
+        arguments, results, "numpy", cse=True
+    )
+    return found
+
+
+def grouped(
+    laws: Iterable[LawRow], parameters: Mapping[str, float]
+) -> tuple[LawGroup, ...]:
+    """Return the laws in groups that are evaluated together."""
+    groups: dict[Any, _Members] = {}
+    for law in laws:
+        leaves: dict[sympy.Expr, int] = {}
+        key = _form(law.expression, law.reads, leaves)
+        reads = [x for x in leaves if x in law.reads]
+        others = [x for x in leaves if x not in law.reads]
+        group = groups.get(key)
+        if group is None:
+            group = groups[key] = _new_group(law.expression, reads, others)
+        group.rows.append(law.row)
+        group.columns.append([law.reads[x].column for x in reads])
+        group.signs.append([law.reads[x].sign for x in reads])
+        group.constants.append(
+            [parameters[x.name] if x.is_Symbol else float(x) for x in others]
+        )
+    return tuple(group.frozen() for group in groups.values())
+
+
+def _new_group(
+    expression: sympy.Expr, reads: list[sympy.Expr], others: list[sympy.Expr]
+) -> _Members:
+    """Return an empty group; literal numbers get a symbol of their own."""
+    twins = {x: sympy.Dummy(real=True) for x in others if not x.is_Symbol}
+    arguments = [*reads, *(twins.get(x, x) for x in others)]
+    return _Members(expression.xreplace(twins), arguments, len(reads))
+
+
+def _form(
+    expression: sympy.Expr,
+    reads: Mapping[sympy.Symbol, Read],
+    leaves: dict[sympy.Expr, int],
+) -> Any:
+    """Return what is left of an expression without names and decimal numbers."""
+    if expression == signals.t:
+        return "t"
+    if expression.is_Symbol or expression.is_Float:
+        number = leaves.setdefault(expression, len(leaves))
+        return number, expression in reads
+    if not expression.args:
+        return expression
+    return expression.func, *(_form(x, reads, leaves) for x in expression.args)
+
+
+def _flat(slope: sympy.Expr) -> sympy.Expr:
+    """Return a derivative in which the jump of a sign has none and counts as flat."""
+    flat: sympy.Expr = slope.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero)
+    return flat
