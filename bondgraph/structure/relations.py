@@ -73,6 +73,8 @@ def _peeled(
     if power is not None:
         factor, exponent = power
         value = value / factor
+        if exponent == 1:  # sign(v) |v| is v, and sympy sees it only for real v
+            return argument, value
         return argument, sympy.sign(value) * sympy.Abs(value) ** (1 / exponent)
     if expression.is_Mul:
         rest, inner = expression.as_independent(argument, as_Add=False)
