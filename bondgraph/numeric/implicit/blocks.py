@@ -44,8 +44,7 @@ def matched(matrix: csr_array) -> Index:
     """Return the column matched to each row, -1 for none; as many as possible."""
     if not matrix.nnz:
         return np.full(matrix.shape[0], -1)
-    found: Index = maximum_bipartite_matching(matrix, perm_type="column")
-    return found.astype(np.int64)
+    return maximum_bipartite_matching(matrix, perm_type="column").astype(np.int64)
 
 
 def components(square: csr_array) -> tuple[int, Index]:

@@ -5,6 +5,8 @@ a given order of preference. An entry counts as zero when it is small against th
 it is the sum of, so that units do not matter.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
@@ -39,8 +41,8 @@ def resolved(
     between = csr_array(constraint[:, :n_states])
     _, label = connected_components(csr_array(between @ between.T), directed=False)
     dependent: list[int] = []
-    rows: list[Array] = []
-    columns: list[Index] = []
+    rows: list[NDArray[Any]] = []
+    columns: list[NDArray[Any]] = []
     order = np.argsort(label, kind="stable")
     edges = np.flatnonzero(np.diff(label[order])) + 1
     for group in np.split(order, edges):
@@ -62,7 +64,7 @@ def resolved(
     return np.array(dependent, np.int64), following
 
 
-def _joined(parts: list[NDArray[np.float64]] | list[Index], kind: type) -> NDArray:  # type: ignore[type-arg]
+def _joined(parts: list[NDArray[Any]], kind: type) -> NDArray[Any]:
     return np.concatenate([np.zeros(0, kind), *parts])
 
 

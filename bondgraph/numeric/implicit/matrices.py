@@ -160,24 +160,20 @@ def solve_at(
     )
 
 
-def _step(
-    system: ImplicitSystem, z: Array, change: Array, u: Array, t: float
-) -> float:
+def _step(system: ImplicitSystem, z: Array, change: Array, u: Array, t: float) -> float:
     """Return how much of a Newton step to take: all, unless that makes it worse."""
     before = np.linalg.norm(system.residual(z, u, t))
     step = 1.0
     while step > 1e-3:
         left = system.residual(z + step * change, u, t)
         size = np.linalg.norm(left)
-        if np.isfinite(size) and size <= max(before, 1e-9):
+        if np.isfinite(size) and size <= np.maximum(before, 1e-9):
             return step
         step /= 2.0
     return step
 
 
-def _check_finite(
-    system: ImplicitSystem, jacobian: csr_array, affine: Array
-) -> None:
+def _check_finite(system: ImplicitSystem, jacobian: csr_array, affine: Array) -> None:
     bad = np.flatnonzero(~np.isfinite(affine))
     rows = jacobian.tocoo().coords[0][~np.isfinite(jacobian.data)]
     _refuse_kink(system, np.union1d(bad, rows))

@@ -6,6 +6,7 @@ wire that a signal reads, a state of its own is added.
 
 import numpy as np
 import sympy
+from numpy.typing import NDArray
 
 from bondgraph.numeric.implicit.laws import Read
 from bondgraph.numeric.implicit.places import Index, Places
@@ -51,7 +52,7 @@ class Readings:
         nodes = places.graph.nodes
         momenta = [places.first[places.of_kind(Inertance)]]
         displacements = [places.first[places.of_kind(Compliance)]]
-        for i in places.of_kind(*StorageField.__args__):  # type: ignore[attr-defined]
+        for i in places.of_kind(*StorageField.__args__):
             field = nodes[i]
             assert isinstance(field, StorageField)
             here = places.first[i] + np.arange(field.size)
@@ -72,7 +73,7 @@ class Readings:
         self._storage_wires = places.wire[raw]
         self._name_storages(here, is_p)
 
-    def _name_storages(self, here: Index, is_p: Index) -> None:
+    def _name_storages(self, here: Index, is_p: NDArray[np.bool_]) -> None:
         places = self.places
         owners = places.owners(here)
         bonds = places.bond_at[here].tolist()

@@ -236,7 +236,8 @@ class _Work:
         """Return the stored quantities, those first that may become dependent first."""
         n, storages = self.system.n_states, self.system.n_storages
         order = np.concatenate([np.arange(storages)[::-1], np.arange(storages, n)])
-        return order[~self.dependent[order]]
+        found: Index = order[~self.dependent[order]]
+        return found
 
     def _substitute(self, dependent: Index, following: csr_array) -> None:
         """Put ``y_dependent = following y`` into everything."""

@@ -174,20 +174,18 @@ class Rows:
             rows[plain], right.columns[plain], -right.signs[plain] * values
         )
         for k in np.flatnonzero(~plain):
-            law = self.places.graph.nodes[nodes[k]].law * signals.e  # type: ignore[union-attr]
+            law = self.places.graph.nodes[nodes[k]].law * signals.e
             own = {signals.e: Read(int(right.columns[k]), int(right.signs[k]))}
             self._law(int(rows[k]), law, own)
 
     def _plain(self, nodes: Index) -> tuple[NDArray[np.bool_], Array]:
         """Return which nodes are linear, and the parameter of each of them."""
         members = [self.places.graph.nodes[i] for i in nodes.tolist()]
-        plain = np.array([node.law is None for node in members], bool)  # type: ignore[union-attr]
-        values = [self.parameters[node.name] for node in members if node.law is None]  # type: ignore[union-attr]
+        plain = np.array([node.law is None for node in members], bool)
+        values = [self.parameters[node.name] for node in members if node.law is None]
         return plain, np.array(values, float)
 
-    def _law(
-        self, row: int, law: sympy.Expr, own: dict[sympy.Symbol, Read]
-    ) -> None:
+    def _law(self, row: int, law: sympy.Expr, own: dict[sympy.Symbol, Read]) -> None:
         """Add ``- law`` to a row."""
         reads = {**own, **self.readings.of(law)}
         used = {symbol: reads[symbol] for symbol in law.free_symbols & reads.keys()}
@@ -228,7 +226,7 @@ class Rows:
             given = port.effort if kind is EffortSource else port.flow
             self.entries.add(rows, given.columns, given.signs)
             for row, i in zip(rows.tolist(), nodes.tolist(), strict=True):
-                value = self.places.graph.nodes[i].value  # type: ignore[union-attr]
+                value = self.places.graph.nodes[i].value
                 if value is None:
                     self.input_entries.add(row, number[self._names[i]], 1.0)
                 else:
@@ -236,7 +234,7 @@ class Rows:
 
     def _fields(self) -> None:
         """Add the rows of multiports, each law in the variables of all ports."""
-        for i in self.places.of_kind(*MultiPort.__args__).tolist():  # type: ignore[attr-defined]
+        for i in self.places.of_kind(*MultiPort.__args__).tolist():
             field = self.places.graph.nodes[i]
             assert isinstance(field, MultiPort)
             own: dict[sympy.Symbol, Read] = {}

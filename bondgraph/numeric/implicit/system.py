@@ -31,8 +31,10 @@ class ImplicitSystem:
     Parameters
     ----------
     state_names, state_units
-        Stored quantities, the ports at the incidences `storages` first: ``p_`` or ``q_`` and the storage in the author's order, then
-        integrals that a signal reads and no storage holds (`n_storages` onwards).
+        Stored quantities: ``p_`` or ``q_`` and the storage, in the author's order,
+        then integrals that a signal reads and no storage holds.
+    storages
+        The incidences of the ports that store; the first stored quantities are theirs.
     owners
         The node that each row comes from.
     columns
@@ -69,6 +71,11 @@ class ImplicitSystem:
     def n_states(self) -> int:
         """Number of stored quantities."""
         return len(self.state_names)
+
+    def port_columns(self, incidences: Index) -> tuple[Index, Index]:
+        """Return the effort and the flow column of the bonds at these incidences."""
+        bonds = self.places.bond_at[incidences]
+        return self.columns[bonds], self.columns[self.places.n_bonds + bonds]
 
     @property
     def storage_owners(self) -> Index:
