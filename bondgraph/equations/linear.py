@@ -15,6 +15,7 @@ from bondgraph.equations.chain_rule import Row, propagate, row_of, seeded
 from bondgraph.equations.operating_point import OperatingPoint
 from bondgraph.equations.rational import RationalField, in_lowest_terms, solved
 from bondgraph.equations.state_equations import StateEquations
+from bondgraph.equations.steady_state import SteadyState
 from bondgraph.equations.transfer_function import TransferFunction, s
 from bondgraph.errors import EquationError, did_you_mean
 
@@ -211,7 +212,7 @@ def _share_a_root(top: sympy.Poly, bottom: sympy.Poly) -> bool:
 
 
 def linearise(
-    equations: StateEquations, at: Mapping[str, object] | None = None
+    equations: StateEquations, at: Mapping[str, object] | SteadyState | None = None
 ) -> LinearSystem:
     """Return the linear system around an operating point.
 
@@ -219,13 +220,14 @@ def linearise(
     ----------
     at
         Values (numbers or expressions of parameters) of states, inputs and ``t`` by
-        name at the operating point; what is not named is zero. A linear model needs
-        none.
+        name at the operating point, zero where not named, or what `steady_state`
+        found. A linear model needs none.
 
     Raises
     ------
     EquationError
-        If a law has no derivative at the operating point.
+        If a law has no derivative at the operating point (a kink whose two sides
+        differ, a jump).
     """
     evaluate = OperatingPoint(equations, at)
     one = sympy.S.One
@@ -240,9 +242,21 @@ def linearise(
     propagate(rows, late, evaluate)
     residuals = [row_of(r, rows, evaluate) for r in equations.residuals]
     solutions = _solve(residuals, equations.unknowns)
-    found = [_without_unknowns(rows[rate], solutions) for rate in rates]
+    _refuse_jumps(equations, evaluate, rows)
+    found = [
+        _smooth(
+            _without_unknowns(rows[state.rate], solutions),
+            evaluate,
+            f"the rate of {state.symbol}",
+        )
+        for state in equations.states
+    ]
     outputs = [
-        _without_unknowns(row_of(o.expression, rows, evaluate), solutions)
+        _smooth(
+            _without_unknowns(row_of(o.expression, rows, evaluate), solutions),
+            evaluate,
+            f"the output {o.name!r}",
+        )
         for o in equations.outputs
     ]
     return LinearSystem(
@@ -257,6 +271,23 @@ def linearise(
         B_rate=_matrix(found, equations.input_rates),
         D_rate=_matrix(outputs, equations.input_rates),
     )
+
+
+def _refuse_jumps(
+    equations: StateEquations, at: OperatingPoint, rows: Mapping[sympy.Symbol, Row]
+) -> None:
+    expressions = {str(a.symbol): a.expression for a in equations.assignments}
+    expressions |= {o.name: o.expression for o in equations.outputs}
+    expressions |= dict(
+        zip(map(str, equations.unknowns), equations.residuals, strict=True)
+    )
+    for name, expression in expressions.items():
+        if any(symbol in rows for symbol in expression.free_symbols):
+            at.refuse_jump(expression, name)
+
+
+def _smooth(row: Row, at: OperatingPoint, of: str) -> Row:
+    return {leaf: at.smooth(value, of) for leaf, value in row.items()}
 
 
 def _solve(

@@ -1,12 +1,19 @@
-"""Operating points: the values at which partial derivatives are taken."""
+"""Operating points: the values at which partial derivatives are taken.
+
+Values are worked out when a derivative first needs them. Where a law has a kink at the
+point, its derivatives carry a symbol for the side (see `kinks`); `smooth` decides at
+the end whether what was made of them has a value.
+"""
 
 from collections.abc import Mapping
 
 import sympy
 
+from bondgraph.equations.kinks import Sides
 from bondgraph.equations.reduction import ReducedEquations, reduce
 from bondgraph.equations.sorting import replaced
 from bondgraph.equations.state_equations import StateEquations
+from bondgraph.equations.steady_state import SteadyState, point_values
 from bondgraph.errors import EquationError, did_you_mean
 from bondgraph.structure.signals import t
 
@@ -23,8 +30,11 @@ class OperatingPoint:
     """
 
     def __init__(
-        self, equations: StateEquations, at: Mapping[str, object] | None
+        self,
+        equations: StateEquations,
+        at: Mapping[str, object] | SteadyState | None,
     ) -> None:
+        self._sides = Sides()
         self._equations = equations
         self._free = set(equations.parameters)
         self._values = {
@@ -39,7 +49,7 @@ class OperatingPoint:
         )
         self._reduced: ReducedEquations | None = None
         settable = {x.name: x for x in (*self._values, *equations.unknowns, t)}
-        for name, value in (at or {}).items():
+        for name, value in point_values(at).items():
             if name not in settable:
                 raise EquationError(
                     f"{equations.name!r} has no state or input {name!r}.",
@@ -54,14 +64,44 @@ class OperatingPoint:
             return partial
         value = self._evaluated(partial).replace(sympy.DiracDelta, _spike)
         if value.has(*_UNDEFINED):
-            raise EquationError(
-                f"{self._equations.name!r} has no linear form at this operating point: "
-                f"the derivative {partial} is not defined there.",
-                tuple(sorted(map(str, partial.free_symbols))),
-                "Give an operating point away from the kink, such as a velocity that "
-                "is not zero.",
+            raise self._refusal(
+                f"the derivative {partial} is not defined there", partial
             )
         return value
+
+    def smooth(self, value: sympy.Expr, of: str) -> sympy.Expr:
+        """Return `value`, the same on every side of the kinks it depends on.
+
+        Raises
+        ------
+        EquationError
+            If it is not; `of` says in words what it is a slope of.
+        """
+        settled = self._sides.settled(value)
+        if settled is None:
+            points = self._sides.switching_points(self._sides.in_(value))
+            where = " and ".join(f"{g} = 0" for g in points)
+            raise self._refusal(f"{of} has a kink at {where}", *points)
+        return settled
+
+    def refuse_jump(self, expression: sympy.Expr, of: str) -> None:
+        """Raise EquationError where a Piecewise jumps at the operating point."""
+        if not expression.has(sympy.Piecewise):
+            return
+        value = self._evaluated(expression)
+        if self._sides.settled(value) is None:
+            points = self._sides.switching_points(self._sides.in_(value))
+            where = " and ".join(f"{g} = 0" for g in points)
+            raise self._refusal(f"{of} jumps at {where}", *points)
+
+    def _refusal(self, what: str, *about: sympy.Expr) -> EquationError:
+        return EquationError(
+            f"{self._equations.name!r} has no linear form at this operating point: "
+            f"{what}.",
+            tuple(sorted({str(x) for e in about for x in e.free_symbols})),
+            "Give an operating point away from the kink, such as a velocity that is "
+            "not zero.",
+        )
 
     def _evaluated(self, expression: sympy.Expr) -> sympy.Expr:
         """Return `expression` with every symbol but parameters replaced."""
@@ -84,12 +124,21 @@ class OperatingPoint:
                 if x in self._assigned and self._is_ready(self._assigned[x])
             ]
             for x in ready:
-                self._values[x] = replaced(self._assigned[x], self._values)
+                self._values[x] = self._at_point(self._assigned[x])
             if not missing or len(ready) == len(missing):
                 pending.pop()
             else:
                 pending.extend(x for x in assigned if not self._is_ready(x))
-        return replaced(expression, self._values)
+        return self._at_point(expression)
+
+    def _at_point(self, expression: sympy.Expr) -> sympy.Expr:
+        """Return `expression` with known values put in, its switches beside a kink."""
+        opened = self._sides.opened(
+            expression,
+            lambda inside: replaced(inside, self._values),
+            lambda inside: not inside.free_symbols <= self._free,
+        )
+        return replaced(opened, self._values)
 
     def _is_ready(self, expression: sympy.Expr) -> bool:
         return all(

@@ -18,7 +18,7 @@ compiled = njit(cache=True, nogil=True, error_model="numpy")
 
 
 @compiled
-def _unary(op: int, x: float, exponent: int) -> tuple[float, float]:
+def unary(op: int, x: float, exponent: int) -> tuple[float, float]:
     """Return value and slope of a function of one argument."""
     if op == 3:
         slope = exponent * x ** (exponent - 1) if exponent != 0 else 0.0
@@ -57,7 +57,7 @@ def _unary(op: int, x: float, exponent: int) -> tuple[float, float]:
 
 
 @compiled
-def _truth(op: int, x: float, y: float) -> bool:
+def truth(op: int, x: float, y: float) -> bool:
     """Return the value of a comparison or connective."""
     if op == 21:
         return x < y
@@ -124,10 +124,10 @@ def run(code: Integers, first: int, v: Array, d: Array, n: int) -> None:
             for k in range(n):
                 d[s, k] = d[chosen, k]
         elif 21 <= op <= 25:
-            v[s] = 1.0 if _truth(op, x, y) else 0.0
+            v[s] = 1.0 if truth(op, x, y) else 0.0
             for k in range(n):
                 d[s, k] = 0.0
         else:
-            v[s], slope = _unary(op, x, b)
+            v[s], slope = unary(op, x, b)
             for k in range(n):
                 d[s, k] = slope * d[a, k]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.equations.state_equations import StateEquations
-from bondgraph.numeric.tape import Tape, record_tape
+from bondgraph.numeric.tape import Tape, degrees, part, record_tape
 from bondgraph.structure.signals import t as time_symbol
 
 Array = NDArray[np.float64]
@@ -48,6 +48,12 @@ class NumericModel:
     needs_input_rates: bool
 
     @property
+    def needs_time(self) -> bool:
+        """Whether anything depends on t itself."""
+        active = [False] * (self.dynamics.n_variables - 1) + [True]
+        return any(degrees(tape, active).any() for tape in (self.dynamics, self.output))
+
+    @property
     def n_states(self) -> int:
         """Number of states."""
         return len(self.state_names)
@@ -73,31 +79,23 @@ def compile_model(equations: StateEquations) -> NumericModel:
         *equations.parameters,
         time_symbol,
     ]
-    definitions = [(a.symbol, a.expression) for a in equations.assignments]
-    solved = {*states, *rates, *unknowns}
-    dynamics = record_tape(
-        variables,
-        definitions,
-        [*equations.rates, *equations.residuals],
-        lambda symbol: symbol in solved,
-    )
-    instant = {*rates, *unknowns}
-    output = record_tape(
-        variables,
-        definitions,
-        [o.expression for o in equations.outputs],
-        lambda symbol: symbol in instant,
-    )
+    n_dynamics, n_outputs = len(states) + len(unknowns), len(equations.outputs)
+    solved, instant = {*states, *rates, *unknowns}, {*rates, *unknowns}
     input_rates = set(equations.input_rates)
-    rate_use = record_tape(
+    # One recording: the two parts share most of it, and writing it is what costs.
+    whole = record_tape(
         variables,
-        definitions,
+        [(a.symbol, a.expression) for a in equations.assignments],
         [
             *equations.rates,
             *equations.residuals,
-            *(o.expression for o in equations.outputs),
+            *(output.expression for output in equations.outputs),
         ],
-        lambda symbol: symbol in input_rates,
+        input_rates.__contains__,
+    )
+    dynamics = part(whole, 0, n_dynamics, [v in solved for v in variables])
+    output = part(
+        whole, n_dynamics, n_dynamics + n_outputs, [v in instant for v in variables]
     )
     return NumericModel(
         name=equations.name,
@@ -111,7 +109,7 @@ def compile_model(equations: StateEquations) -> NumericModel:
         output=output,
         linear=bool(np.all(dynamics.degree < 2)),
         instantaneous=bool(np.any(output.degree > 0)),
-        needs_input_rates=bool(np.any(rate_use.degree > 0)),
+        needs_input_rates=bool(np.any(whole.degree > 0)),
     )
 
 

@@ -1,30 +1,39 @@
 """Linear systems with numbers in them, and their python-control twins.
 
-The matrices come from the same chain rule as the symbolic ones, with each partial
-derivative evaluated to a float first, so that size costs little.
+The matrices come from the tape's exact sparse Jacobian, so that a thousand stages cost
+milliseconds; nothing symbolic happens here. `SparseStateSpace` keeps them sparse, for
+systems too large to write out; `StateSpace` is the dense one to design with.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-import sympy
 from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.linalg import splu
 
-from bondgraph.equations.chain_rule import Row, propagate, row_of, seeded
 from bondgraph.equations.derivation import derive
-from bondgraph.equations.operating_point import OperatingPoint
 from bondgraph.equations.state_equations import StateEquations
+from bondgraph.equations.steady_state import SteadyState, point_values
 from bondgraph.equations.transfer_function import TransferFunction
 from bondgraph.errors import EquationError
+from bondgraph.numeric.jacobian import Matrix, Point, settled, slopes
+from bondgraph.numeric.model import NumericModel, compile_model
+from bondgraph.numeric.placing import placed
 from bondgraph.structure.graph import FinishedGraph
-from bondgraph.structure.signals import parameter_symbol
 
 if TYPE_CHECKING:
     import control
 
 FloatArray = NDArray[np.float64]
+At = Mapping[str, object] | SteadyState | None
+
+ANOTHER_TIME = 0.7390851332151607  # no period of anything
+
+MOST_DENSE_STATES = 6000
+"""Four dense matrices of more states than this take over half a gigabyte."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,15 +78,79 @@ class StateSpace:
         )
 
 
-def state_space(
-    graph: FinishedGraph, *, at: Mapping[str, float] | None = None
-) -> StateSpace:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SparseStateSpace:
+    """``ẋ = A x + B u``, ``y = C x + D u`` with sparse matrices; see `StateSpace`."""
+
+    name: str
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    state_units: tuple[str, ...]
+    input_units: tuple[str, ...]
+    output_units: tuple[str, ...]
+    A: Matrix
+    B: Matrix
+    C: Matrix
+    D: Matrix
+
+    def dense(self) -> StateSpace:
+        """Return the system with its matrices written out.
+
+        Raises
+        ------
+        EquationError
+            If they would take more than half a gigabyte.
+        """
+        if len(self.states) > MOST_DENSE_STATES:
+            raise EquationError(
+                f"{self.name!r} has {len(self.states)} states; its dense matrices "
+                f"would not fit.",
+                (self.name,),
+                "Use sparse_state_space(graph), or simulate the model.",
+            )
+        return StateSpace(
+            name=self.name,
+            states=self.states,
+            inputs=self.inputs,
+            outputs=self.outputs,
+            state_units=self.state_units,
+            input_units=self.input_units,
+            output_units=self.output_units,
+            A=self.A.toarray(),
+            B=self.B.toarray(),
+            C=self.C.toarray(),
+            D=self.D.toarray(),
+        )
+
+    def response(self, omega: FloatArray) -> NDArray[np.complex128]:
+        """Return the frequency response ``[frequency, output, input]``.
+
+        Parameters
+        ----------
+        omega
+            Angular frequencies in rad/s, none of them that of a pole.
+        """
+        eye = sparse.eye_array(len(self.states), dtype=complex)
+        B, D = self.B.toarray().astype(complex), self.D.toarray()
+        return np.array(
+            [
+                self.C @ splu(sparse.csc_array(1j * w * eye - self.A)).solve(B) + D
+                if len(self.states)
+                else D.astype(complex)
+                for w in omega
+            ]
+        )
+
+
+def state_space(graph: FinishedGraph, *, at: At = None) -> StateSpace:
     """Return the linear system of `graph` at its parameter values.
 
     Parameters
     ----------
     at
-        Operating point of a nonlinear model: values of states and inputs by name.
+        Operating point of a nonlinear model: what `steady_state` found, or values of
+        states and inputs by name (zero where not named).
 
     Raises
     ------
@@ -87,22 +160,36 @@ def state_space(
         If an output follows the rate of an input (an improper system), or the model
         has no linear form at the operating point.
     """
-    return from_equations(derive(graph), graph.parameters.values_by_name(), at=at)
+    return sparse_state_space(graph, at=at).dense()
+
+
+def sparse_state_space(graph: FinishedGraph, *, at: At = None) -> SparseStateSpace:
+    """Return the linear system of `graph` with sparse matrices; see `state_space`."""
+    values = graph.parameters.values_by_name()
+    return sparse_from_equations(derive(graph), values, at=at)
 
 
 def from_equations(
-    equations: StateEquations,
-    values: Mapping[str, float],
-    *,
-    at: Mapping[str, float] | None = None,
+    equations: StateEquations, values: Mapping[str, float], *, at: At = None
 ) -> StateSpace:
     """Return the linear system of `equations` at these parameter values."""
-    x, y = _matrices(equations, values, at)
+    return sparse_from_equations(equations, values, at=at).dense()
+
+
+def sparse_from_equations(
+    equations: StateEquations, values: Mapping[str, float], *, at: At = None
+) -> SparseStateSpace:
+    """Return the sparse linear system of `equations` at these parameter values."""
+    model = compile_model(equations)
+    here = placed(model, equations, values, at)
+    x, y = _sensitivities(model, here)
+    if "t" not in point_values(at) and model.needs_time:
+        _refuse_moving(model, here, x, y)
     n, m = len(equations.states), len(equations.inputs)
     A, B, B_rate = x[:, :n], x[:, n : n + m], x[:, n + m :]
     C, D, D_rate = y[:, :n], y[:, n : n + m], y[:, n + m :]
-    if np.any(D_rate):
-        row, column = np.argwhere(D_rate)[0]
+    if D_rate.count_nonzero():
+        row, column = (int(index[0]) for index in D_rate.nonzero())
         output, source = equations.outputs[row].name, str(equations.inputs[column])
         raise EquationError(
             f"The output {output!r} follows the rate of the input {source!r}, so the "
@@ -110,7 +197,7 @@ def from_equations(
             (output, source),
             "Use the transfer function, or put an R or a storage between the two.",
         )
-    return StateSpace(
+    return SparseStateSpace(
         name=equations.name,
         states=tuple(s.symbol.name for s in equations.states),
         inputs=tuple(u.name for u in equations.inputs),
@@ -118,56 +205,35 @@ def from_equations(
         state_units=tuple(s.unit for s in equations.states),
         input_units=equations.input_units,
         output_units=tuple(o.unit for o in equations.outputs),
-        A=A,
-        B=B + A @ B_rate,
-        C=C,
-        D=D + C @ B_rate,
+        A=_trimmed(A),
+        B=_trimmed(B + A @ B_rate),
+        C=_trimmed(C),
+        D=_trimmed(D + C @ B_rate),
     )
 
 
-def _matrices(
-    equations: StateEquations,
-    values: Mapping[str, float],
-    at: Mapping[str, float] | None,
-) -> tuple[FloatArray, FloatArray]:
-    """Return the sensitivities of rates and outputs to (x, u, u̇)."""
-    numbers = {parameter_symbol(n): sympy.Float(v) for n, v in values.items()}
-    point = OperatingPoint(equations, at)
-
-    def evaluate(partial: sympy.Expr) -> float:
-        if partial.is_Number:
-            return float(partial)
-        return float(point(partial).xreplace(numbers))
-
-    states = [state.symbol for state in equations.states]
-    leaves = [*states, *equations.inputs, *equations.input_rates]
-    rates = [state.rate for state in equations.states]
-    rows = seeded((*leaves, *equations.unknowns), 1.0)
-    early, late = equations.around_rates()
-    propagate(rows, early, evaluate)
-    for rate, expression in zip(rates, equations.rates, strict=True):
-        rows[rate] = row_of(expression, rows, evaluate)
-    propagate(rows, late, evaluate)
-    residuals = [row_of(r, rows, evaluate) for r in equations.residuals]
-    outputs = [row_of(o.expression, rows, evaluate) for o in equations.outputs]
-    unknowns = equations.unknowns
-    followed = -np.linalg.solve(_dense(residuals, unknowns), _dense(residuals, leaves))
-    top, bottom = [rows[rate] for rate in rates], outputs
-    x, y = (
-        _dense(part, leaves) + _dense(part, unknowns) @ followed
-        for part in (top, bottom)
-    )
-    return x, y
+def _sensitivities(model: NumericModel, here: Point) -> tuple[Matrix, Matrix]:
+    return slopes(model, settled(model, here)).eliminated()
 
 
-def _dense(rows: Sequence[Row], columns: Sequence[sympy.Symbol]) -> FloatArray:
-    place = {symbol: j for j, symbol in enumerate(columns)}
-    matrix = np.zeros((len(rows), len(columns)))
-    for i, row in enumerate(rows):
-        for symbol, value in row.items():
-            if symbol in place:
-                matrix[i, place[symbol]] = value
-    return matrix
+def _refuse_moving(model: NumericModel, here: Point, x: Matrix, y: Matrix) -> None:
+    """Refuse a linear form that is another one at another time."""
+    later = _sensitivities(model, replace(here, t=here.t + ANOTHER_TIME))
+    for now, then in zip((x, y), later, strict=True):
+        scale = float(np.abs(now.data).max(initial=0.0))
+        if np.abs((now - then).data).max(initial=0.0) > 1e-12 * scale:
+            raise EquationError(
+                f"{model.name!r} depends on time.",
+                ("t",),
+                'Give the time of the operating point: at={"t": 0}.',
+            )
+
+
+def _trimmed(matrix: Matrix) -> Matrix:
+    """Return the matrix without stored zeros."""
+    trimmed = sparse.csr_array(matrix)
+    trimmed.eliminate_zeros()
+    return trimmed
 
 
 def to_control(model: StateSpace) -> "control.StateSpace":

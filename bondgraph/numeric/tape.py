@@ -8,7 +8,7 @@ model is ready in milliseconds and nothing is compiled for it.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -277,26 +277,25 @@ def record_tape(
     for symbol, expression in _needed(definitions, expressions):
         recorder.slots[symbol] = recorder.slot(expression)
     raw = [recorder.slot(expression) for expression in expressions]
-    n, n_constants = len(variables), len(recorder.constants)
+    n = len(variables)
+    shift = n + len(recorder.constants) - 10**9
 
     def final(slot: int) -> int:
-        if slot < 0:
-            return n - 1 - slot
-        return slot if slot < 10**9 else slot - 10**9 + n + n_constants
+        return n - 1 - slot if slot < 0 else slot if slot < 10**9 else slot + shift
 
-    code = np.zeros((len(recorder.code), 4), dtype=np.int64)
-    for i, (op, a, b, c) in enumerate(recorder.code):
-        power = op == Op.POWI
-        code[i] = (op, final(a), b if power else final(b), final(c))
-    outputs = np.array([final(slot) for slot in raw], dtype=np.int64)
-    degrees = _degrees(n, n_constants, code, [active(v) for v in variables])
-    return Tape(
+    powi = int(Op.POWI)
+    code = [
+        (op, final(a), b if op == powi else final(b), final(c))
+        for op, a, b, c in recorder.code
+    ]
+    tape = Tape(
         n_variables=n,
         constants=np.array(list(recorder.constants), dtype=np.float64),
-        code=code,
-        outputs=outputs,
-        degree=degrees[outputs] if len(outputs) else np.zeros(0, dtype=np.int64),
+        code=np.array(code, dtype=np.int64).reshape(-1, 4),
+        outputs=np.array([final(slot) for slot in raw], dtype=np.int64),
+        degree=np.zeros(0, dtype=np.int64),
     )
+    return replace(tape, degree=degrees(tape, [active(v) for v in variables]))
 
 
 def _needed(
@@ -315,32 +314,79 @@ def _needed(
     return kept[::-1]
 
 
-def _degrees(
-    n: int, n_constants: int, code: NDArray[np.int64], active: Sequence[bool]
-) -> NDArray[np.int64]:
-    """Return 0, 1 or 2 per slot: constant, affine or nonlinear in active variables."""
-    degree = np.zeros(n + n_constants + len(code), dtype=np.int64)
-    degree[:n] = active
-    for i, (op, a, b, c) in enumerate(code):
+def part(tape: Tape, first: int, last: int, active: Sequence[bool]) -> Tape:
+    """Return the tape of the results ``first … last - 1`` alone.
+
+    Operations and constants that they do not need are left out; `active` says for each
+    variable whether it counts for the new tape's degree.
+    """
+    n, old = tape.n_variables, tape.code.tolist()
+    start = n + len(tape.constants)
+    outputs = tape.outputs[first:last].tolist()
+    used = bytearray(tape.n_slots)
+    for slot in outputs:
+        used[slot] = 1
+    for i in range(len(old) - 1, -1, -1):
+        if used[start + i]:
+            for slot in _arguments(old[i]):
+                used[slot] = 1
+    kept = [k for k in range(len(tape.constants)) if used[n + k]]
+    where = list(range(n)) + [0] * (tape.n_slots - n)
+    for k, constant in enumerate(kept):
+        where[n + constant] = n + k
+    code: list[tuple[int, int, int, int]] = []
+    for i, (op, a, b, c) in enumerate(old):
+        if used[start + i]:
+            where[start + i] = n + len(kept) + len(code)
+            exponent = op == Op.POWI.value
+            code.append((op, where[a], b if exponent else where[b], where[c]))
+    shorter = Tape(
+        n_variables=n,
+        constants=tape.constants[kept],
+        code=np.array(code, dtype=np.int64).reshape(-1, 4),
+        outputs=np.array([where[slot] for slot in outputs], dtype=np.int64),
+        degree=np.zeros(0, dtype=np.int64),
+    )
+    return replace(shorter, degree=degrees(shorter, active))
+
+
+def _arguments(operation: Sequence[int]) -> Sequence[int]:
+    """Return the slots that an operation reads."""
+    op, a, b, c = operation
+    if op == _SELECT:
+        return a, b, c
+    return (a, b) if op in _BINARY else (a,)
+
+
+def degrees(tape: Tape, active: Sequence[bool]) -> NDArray[np.int64]:
+    """Return 0, 1 or 2 per result: constant, affine or nonlinear in what is active."""
+    degree = [int(x) for x in active] + [0] * len(tape.constants)
+    for op, a, b, c in tape.code.tolist():
         da = degree[a]
-        db = 0 if op == Op.POWI else degree[b]
-        match op:
-            case Op.ADD | Op.SUB:
-                result = max(da, db)
-            case Op.MUL:
-                result = min(da + db, 2)
-            case Op.DIV:
-                result = 2 if db else da
-            case Op.POWI:
-                result = 2 if da and b > 1 else da * min(b, 1)
-            case Op.SELECT:
-                result = 2 if da else max(db, degree[c])
-            case _:
-                result = 2 if max(da, db if op in _BINARY else 0) else 0
-        degree[n + n_constants + i] = result
-    return degree
+        if op in _ADDITIVE:
+            result = max(da, degree[b])
+        elif op == _MUL:
+            result = min(da + degree[b], 2)
+        elif op == _DIV:
+            result = 2 if degree[b] else da
+        elif op == _POWI:
+            result = 2 if da and b > 1 else da * min(b, 1)
+        elif op == _SELECT:
+            result = 2 if da else max(degree[b], degree[c])
+        else:
+            result = 2 if da or (op in _BINARY and degree[b]) else 0
+        degree.append(result)
+    return np.array([degree[slot] for slot in tape.outputs], dtype=np.int64)
 
 
-_BINARY = frozenset(
-    {Op.POW, Op.MAX, Op.MIN, Op.LESS, Op.LESS_EQUAL, Op.AND, Op.OR, Op.ATAN2}
-)
+# Plain integers: looking a member up in an IntEnum costs more than the operation.
+_MUL, _DIV, _POWI = Op.MUL.value, Op.DIV.value, Op.POWI.value
+_SELECT = Op.SELECT.value
+_ADDITIVE = frozenset({Op.ADD.value, Op.SUB.value})
+_BINARY = _ADDITIVE | {
+    op.value
+    for op in (
+        *(Op.MUL, Op.DIV, Op.POW, Op.MAX, Op.MIN, Op.ATAN2),
+        *(Op.LESS, Op.LESS_EQUAL, Op.AND, Op.OR),
+    )
+}
