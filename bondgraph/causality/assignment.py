@@ -6,10 +6,10 @@ forced otherwise is dependent, which is a normal result. A choice that leads to 
 conflict is taken back, because in rings of junctions a local rule does not see it.
 """
 
-from bondgraph.causality.choices import Choice, choices
-from bondgraph.causality.propagation import FREE, Rule, StrokeBoard
-from bondgraph.causality.records import CausalAssignment, CausalStep, CausalStroke
-from bondgraph.causality.wording import reason, refusal
+from bondgraph.causality.choices import Choice, choices, offer_bonds
+from bondgraph.causality.propagation import FREE, StrokeBoard
+from bondgraph.causality.records import CausalAssignment, Rule
+from bondgraph.causality.wording import refusal
 from bondgraph.errors import CausalConflictError
 from bondgraph.structure.elements import EffortSource, FlowSource, Junction
 from bondgraph.structure.graph import CausalPreference, FinishedGraph
@@ -57,7 +57,7 @@ def _decide(board: StrokeBoard, offered: list[Choice]) -> None:
     first: CausalConflictError | None = None
     budget = 2 * len(board.bonds) + 20
     i = 0
-    while i < len(offered):
+    while i < len(offered) or offer_bonds(board, offered):
         choice = offered[i]
         if board.stroke[choice.bond] != FREE:
             i += 1
@@ -80,39 +80,29 @@ def _decide(board: StrokeBoard, offered: list[Choice]) -> None:
 
 
 def _answer(board: StrokeBoard, offered: list[Choice]) -> CausalAssignment:
-    strokes = tuple(
-        CausalStroke(bond, board.nodes[at].name)
-        for bond, at in zip(board.bonds, board.stroke, strict=True)
-    )
-    integral: dict[int, str] = {}
-    derivative: dict[int, str] = {}
-    ports: dict[int, str] = {}
-    unmet: list[str] = []
+    strokes = [board.stroke_of(bond) for bond in range(len(board.bonds))]
+    integral: list[Choice] = []
+    derivative: list[Choice] = []
+    unmet: list[Choice] = []
     for choice in offered:
-        ports.setdefault(choice.bond, choice.port)
+        at = board.stroke[choice.bond]
         if choice.integral is not None:
-            met = board.stroke[choice.bond] == choice.integral
-            (integral if met else derivative)[choice.bond] = choice.port
-        if choice.rule is Rule.WISH and board.stroke[choice.bond] != choice.at:
-            unmet.append(choice.port)
+            (integral if at == choice.integral else derivative).append(choice)
+        if choice.rule is Rule.WISH and at != choice.at:
+            unmet.append(choice)
+    ports = {choice.bond: choice.port for choice in reversed(offered)}
     return CausalAssignment(
-        strokes=strokes,
-        integral=_in_order(board, integral),
-        derivative=_in_order(board, derivative),
+        strokes=tuple(strokes),
+        integral=_named(integral),
+        derivative=_named(derivative),
         arbitrary=tuple(
             ports[bond] for bond in board.trail if board.why[bond][0] is Rule.CHOICE
         ),
-        unmet=tuple(unmet),
-        steps=tuple(CausalStep(strokes[b], reason(board, b)) for b in board.trail),
+        unmet=_named(unmet),
+        steps=tuple(board.step(bond, strokes[bond]) for bond in board.trail),
     )
 
 
-def _in_order(board: StrokeBoard, ports: dict[int, str]) -> tuple[str, ...]:
+def _named(found: list[Choice]) -> tuple[str, ...]:
     """Return the ports in the order of the graph's nodes, not of the choices."""
-    place = {
-        bond: node
-        for node, bonds in enumerate(board.at)
-        for bond in bonds
-        if bond in ports and not isinstance(board.nodes[node], Junction)
-    }
-    return tuple(ports[bond] for bond in sorted(ports, key=lambda b: (place[b], b)))
+    return tuple(c.port for c in sorted(found, key=lambda c: (c.node, c.bond)))

@@ -6,9 +6,10 @@ one way only before the others; last the bonds between junctions.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
-from bondgraph.causality.propagation import Rule, StrokeBoard
+from bondgraph.causality.propagation import FREE, StrokeBoard
+from bondgraph.causality.records import Rule
 from bondgraph.errors import EquationError
 from bondgraph.structure import signals
 from bondgraph.structure.elements import Inertance, Resistance, Storage
@@ -16,8 +17,7 @@ from bondgraph.structure.fields import MultiPort, ResistanceField
 from bondgraph.structure.graph import CausalPreference, Wanted
 
 
-@dataclass(frozen=True, slots=True)
-class Choice:
+class Choice(NamedTuple):
     """A bond whose stroke may be put at the node `at`, or else at the other end.
 
     ``port`` is the name of the element (``name[i]`` of a field) or of the bond;
@@ -36,7 +36,7 @@ class Choice:
 def choices(
     board: StrokeBoard, preferences: tuple[CausalPreference, ...]
 ) -> list[Choice]:
-    """Return the choices to make, in order of preference."""
+    """Return the storages and resistances in order of preference."""
     wishes = {p.element: p.wanted for p in preferences}
     ranked: list[tuple[int, Choice]] = []
     for rank, choice in _ports(board):
@@ -46,11 +46,18 @@ def choices(
         else:
             ranked.append((-1, _wished(board, choice, wanted)))
     ranked.sort(key=lambda item: item[0])  # stable: the author's order within a rank
-    inner = [
+    return [choice for _, choice in ranked]
+
+
+def offer_bonds(board: StrokeBoard, offered: list[Choice]) -> bool:
+    """Append the bonds between junctions that are still free; False if none is."""
+    free = [
         Choice(bond, head, Rule.CHOICE, Rule.CHOICE, tail, board.bonds[bond].name)
         for bond, (tail, head) in enumerate(board.ends)
+        if board.stroke[bond] == FREE
     ]
-    return [choice for _, choice in ranked] + inner
+    offered += free
+    return bool(free)
 
 
 def _wished(board: StrokeBoard, choice: Choice, wanted: Wanted) -> Choice:

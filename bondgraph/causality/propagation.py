@@ -9,8 +9,8 @@ trail lets a preference that fails be taken back.
 
 from collections import deque
 from dataclasses import dataclass
-from enum import Enum, auto
 
+from bondgraph.causality.records import CausalStep, CausalStroke, Rule
 from bondgraph.structure.elements import (
     EffortSource,
     FlowSource,
@@ -23,20 +23,6 @@ from bondgraph.structure.elements import (
 from bondgraph.structure.graph import FinishedGraph
 
 FREE = -1
-
-
-class Rule(Enum):
-    """Why a stroke was set."""
-
-    SOURCE = auto()
-    INTEGRAL = auto()
-    DERIVATIVE = auto()
-    CHOICE = auto()
-    WISH = auto()  # what the author prefers
-    UNMET = auto()  # the other one, because the wish led to a conflict
-    SUPPLIED = auto()  # the junction has its effort (flow) already
-    LAST = auto()  # the last bond that can supply the junction
-    TWO_PORT = auto()
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +63,7 @@ class StrokeBoard:
     def other(self, bond: int, node: int) -> int:
         """Return the node at the other end of `bond`."""
         tail, head = self.ends[bond]
-        return head if node == tail else tail
+        return tail + head - node
 
     def set(self, bond: int, at: int, rule: Rule, because: int) -> None:
         """Put the stroke of `bond` at the node `at`, forced at node `because`."""
@@ -157,6 +143,18 @@ class StrokeBoard:
         """Return whether `bond` brings `junction` its common variable."""
         one = isinstance(self.nodes[junction], OneJunction)
         return (self.stroke[bond] == junction) != one
+
+    def stroke_of(self, bond: int) -> CausalStroke:
+        """Return the stroke of `bond`."""
+        return CausalStroke(self.bonds[bond], self.nodes[self.stroke[bond]].name)
+
+    def step(self, bond: int, stroke: CausalStroke | None = None) -> CausalStep:
+        """Return the stroke of `bond` with the rule that set it."""
+        rule, because = self.why[bond]
+        by = self.supplier(because) if rule is Rule.SUPPLIED else bond
+        giver = self.nodes[self.other(by, because)].name
+        stroke = stroke or self.stroke_of(bond)
+        return CausalStep(stroke, rule, self.nodes[because], giver)
 
     def causes(self, bond: int) -> list[int]:
         """Return the bonds whose strokes forced that of `bond`."""

@@ -1,6 +1,7 @@
-"""Causality in words: why a stroke is where it is, and why none can be right."""
+"""No causality can be right: which elements disagree, and the chain of reasons."""
 
-from bondgraph.causality.propagation import Conflict, Rule, StrokeBoard
+from bondgraph.causality.propagation import Conflict, StrokeBoard
+from bondgraph.causality.records import Rule, described
 from bondgraph.errors import CausalConflictError
 from bondgraph.structure.elements import (
     EffortSource,
@@ -9,41 +10,9 @@ from bondgraph.structure.elements import (
     OneJunction,
     Transformer,
     ZeroJunction,
-    letter,
 )
 
 SHOWN_REASONS = 12
-
-
-def reason(board: StrokeBoard, bond: int) -> str:
-    """Return in words why `bond` has its stroke."""
-    rule, because = board.why[bond]
-    node = board.nodes[because]
-    who = _who(node)
-    common = "effort" if isinstance(node, ZeroJunction) else "flow"
-    gives = "flow" if board.stroke[bond] == because else "effort"
-    giver = board.bonds[bond].other(node.name)
-    if rule is Rule.SUPPLIED:
-        giver = board.bonds[board.supplier(because)].other(node.name)
-    words = {
-        Rule.SOURCE: f"{who} imposes its {gives}",
-        Rule.INTEGRAL: f"{who} is integral, as preferred",
-        Rule.DERIVATIVE: f"{who} is derivative, because integral led to a conflict",
-        Rule.WISH: f"{who} gives {gives}, as its author prefers",
-        Rule.UNMET: (
-            f"{who} gives {gives} against the author's wish, which led to a conflict"
-        ),
-        Rule.CHOICE: f"{who} may give effort or flow, and was chosen to give {gives}",
-        Rule.SUPPLIED: f"{who} has its {common} from {giver!r}",
-        Rule.LAST: f"only {giver!r} is left to give {who} its {common}",
-        Rule.TWO_PORT: f"{who} passes causality on",
-    }
-    return words[rule]
-
-
-def _who(node: Node) -> str:
-    junction = "-junction" if isinstance(node, ZeroJunction | OneJunction) else ""
-    return f"{letter(node)}{junction} {node.name!r}"
 
 
 def refusal(board: StrokeBoard, conflict: Conflict) -> CausalConflictError:
@@ -57,7 +26,7 @@ def refusal(board: StrokeBoard, conflict: Conflict) -> CausalConflictError:
     ]
     problem, remedy = _problem(node, givers, board, conflict)
     chain = board.chain(conflict)
-    reasons = list(dict.fromkeys(reason(board, bond) for bond in chain))
+    reasons = list(dict.fromkeys(board.step(bond).reason for bond in chain))
     if len(reasons) > SHOWN_REASONS:
         half = SHOWN_REASONS // 2
         reasons = [*reasons[:half], "…", *reasons[-half:]]
@@ -76,7 +45,7 @@ def _problem(
 ) -> tuple[str, str]:
     """Return what is wrong at `node`, and the way out."""
     names = " and ".join(repr(name) for name in givers)
-    who = _who(node)
+    who = described(node)
     match node:
         case ZeroJunction() | OneJunction():
             zero = isinstance(node, ZeroJunction)

@@ -144,10 +144,10 @@ class Definitions:
         wire = port.effort if is_effort else port.flow
         sign = port.effort_sign if is_effort else port.flow_sign
         symbol, value = other
-        law = self.memory.laws.explicit(element, wanted)
+        law = self.memory.laws.explicit(element, wanted, {symbol: value})
         kind = letter(element)
         if law is not None:
-            expression = signed(self.memory.substituted(law, {symbol: value}), sign)
+            expression = signed(self.memory.in_wires(law), sign)
             self._give(wire, expression, element.name, f"law of {kind}")
             return
         because = "forced by the rest of the graph"

@@ -7,7 +7,7 @@ can be found where no formula exists. What passes none of them is refused.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import sympy
@@ -42,13 +42,28 @@ class Laws:
         self._parameters = graph.parameters
 
     def explicit(
-        self, element: OnePortWithLaw, wanted: sympy.Symbol
+        self,
+        element: OnePortWithLaw,
+        wanted: sympy.Symbol,
+        own: Mapping[sympy.Symbol, sympy.Expr] | None = None,
     ) -> sympy.Expr | None:
-        """Return `wanted` in the element's other variable, or None without formula."""
+        """Return `wanted` in the element's other variable, or None without formula.
+
+        `own` says what to put for that variable.
+        """
+        put = dict(own or {})
         if element.law is None:  # the common case, without differentiating anything
             constant = parameter_symbol(element.name)
             big, small = _LINEAR[type(element)]
-            return constant * small if wanted == big else big / constant
+            if wanted == big:
+                return constant * put.get(small, small)
+            return put.get(big, big) / constant
+        law = self._solved(element, wanted)
+        return law if law is None or not put else law.xreplace(put)
+
+    def _solved(
+        self, element: OnePortWithLaw, wanted: sympy.Symbol
+    ) -> sympy.Expr | None:
         relation = element.relation
         if wanted == relation.output:
             return relation.expression
@@ -58,11 +73,14 @@ class Laws:
         return found
 
     def smooth(
-        self, element: OnePortWithLaw, wanted: sympy.Symbol
+        self,
+        element: OnePortWithLaw,
+        wanted: sympy.Symbol,
+        own: Mapping[sympy.Symbol, sympy.Expr] | None = None,
     ) -> sympy.Expr | None:
         """Return what `explicit` does if one can differentiate it, else None."""
-        found = self.explicit(element, wanted)
-        if found is None or wanted == element.relation.output:
+        found = self.explicit(element, wanted, own)
+        if found is None or element.law is None or wanted == element.relation.output:
             return found
         return None if found.has(*_KINKED) else found
 

@@ -152,9 +152,9 @@ class Memory:
         inertance = isinstance(element, Inertance)
         port = self.ports[element.name]
         stored, co = (signals.p, signals.f) if inertance else (signals.q, signals.e)
-        law = self.laws.smooth(element, stored)
+        law = self.laws.smooth(element, stored, {co: port.co})
         if law is not None:
-            return self.substituted(law, {co: port.co})
+            return self.in_wires(law)
         relation = self.laws.monotone(element, "dependent")
         symbol = self.names.symbol(port.symbol_name)
         law = self.substituted(relation.expression, {stored: symbol})

@@ -12,6 +12,8 @@ import sympy
 
 from bondgraph.equations.definitions import Definition
 
+MANY = 32
+
 Graph = Mapping[sympy.Symbol, tuple[sympy.Symbol, ...]]
 
 
@@ -47,7 +49,11 @@ def without_aliases(
 
 
 def _is_atomic(expression: sympy.Expr) -> bool:
-    return bool(expression.is_Symbol or expression.is_Number or (-expression).is_Symbol)
+    if expression.is_Mul:  # compared, not negated: that would multiply a sum out
+        return len(expression.args) == 2 and (
+            expression.args[0] == -1 and expression.args[1].is_Symbol
+        )
+    return bool(expression.is_Symbol or expression.is_Number)
 
 
 def _resolved(
@@ -167,6 +173,9 @@ def cut_loops(
     while pending:
         loop = pending.pop()
         chosen = [s for s in loop if s in liked] or [_busiest(graph, loop)]
+        # One at a time, since one may open the loop of another; of many a part at a
+        # time, so that the cost stays near linear.
+        chosen = chosen[: 1 + len(chosen) // MANY]
         liked.difference_update(chosen)
         cut.update(dict.fromkeys(chosen, tuple(loop)))
         members = set(loop)

@@ -72,10 +72,8 @@ def _peeled(
     power = _odd_power(expression, argument)
     if power is not None:
         factor, exponent = power
-        value = value / factor
-        if exponent == 1:  # sign(v) |v| is v, and sympy sees it only for real v
-            return argument, value
-        return argument, sympy.sign(value) * sympy.Abs(value) ** (1 / exponent)
+        root = _signed_root(value / factor, exponent)
+        return None if root is None else (argument, root)
     if expression.is_Mul:
         rest, inner = expression.as_independent(argument, as_Add=False)
         return None if inner.is_Mul else (inner, value / rest)
@@ -99,11 +97,24 @@ def _peeled_power(
     base, exponent = power.base, power.exp
     if not exponent.has(argument):
         odd = exponent.is_Integer and exponent % 2 == 1 and exponent > 0
-        root = sympy.sign(value) * sympy.Abs(value) ** (1 / exponent)
-        return (base, root) if odd else None
+        root = _signed_root(value, exponent) if odd else None
+        return None if root is None else (base, root)
     if base.is_number and base.is_positive and base != 1:
         return exponent, sympy.log(value) / sympy.log(base)
     return None
+
+
+def _signed_root(value: sympy.Expr, exponent: sympy.Expr) -> sympy.Expr | None:
+    """Return the real v with ``sign(v) |v|ⁿ = value``, or None if it may not be real.
+
+    Of a logarithm sympy does not know that it is real, and could not differentiate the
+    sign of it.
+    """
+    if exponent == 1:
+        return value
+    if not value.is_extended_real:
+        return None
+    return sympy.sign(value) * sympy.Abs(value) ** (1 / exponent)
 
 
 def _odd_power(
