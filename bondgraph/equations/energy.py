@@ -10,38 +10,35 @@ In a pseudo domain (thermal: temperature times heat flow) effort times flow is n
 what lies there is listed, marked, and left out of the sums.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import sympy
 
 from bondgraph.equations.derivation import derive
-from bondgraph.equations.differentiation import TimeDerivative
-from bondgraph.equations.reduction import reduce
-from bondgraph.equations.sorting import replaced
-from bondgraph.equations.state_equations import Assignment, StateEquations
+from bondgraph.equations.insertion import Insertion, rate_of, signal_values
+from bondgraph.equations.inversion import Laws
+from bondgraph.equations.power_proof import PowerProof
+from bondgraph.equations.state_equations import StateEquations
 from bondgraph.equations.stored_energy import (
     EnergyForm,
     EnergyFunction,
     energy_function,
 )
-from bondgraph.equations.wires import SymbolNames
 from bondgraph.errors import EquationError
 from bondgraph.structure.domains import THERMAL, EnergyDomain, Quantity
 from bondgraph.structure.elements import (
-    Compliance,
     EffortSource,
     FlowSource,
-    Inertance,
     Node,
     Resistance,
+    Storage,
     letter,
 )
-from bondgraph.structure.graph import Bond, FinishedGraph, Measurement
-from bondgraph.structure.signals import Signal, e, f, p, q, signals_in, t
-
-LONGEST_PROOF = 40  # assignments inserted before the proof of one node is given up
+from bondgraph.structure.fields import ResistanceField, StorageField
+from bondgraph.structure.graph import Bond, FinishedGraph
+from bondgraph.structure.signals import PortVariable, signals_in, t
 
 
 class BalanceStatus(StrEnum):
@@ -189,31 +186,6 @@ def _mark(is_power: bool) -> str:
     return "" if is_power else "   (pseudo domain: not an energy, left out of the sums)"
 
 
-class Insertion:
-    """Puts assignments, solved unknowns and rates into expressions.
-
-    What it returns is in terms of states, inputs, input rates, parameters and those
-    unknowns that no formula gives.
-    """
-
-    def __init__(self, equations: StateEquations) -> None:
-        reduced = reduce(equations)
-        rates = [state.rate for state in equations.states]
-        self._assigned: dict[sympy.Symbol, sympy.Expr] = {}
-        for assignment in (*equations.assignments, *equations.further):
-            self._assigned[assignment.symbol] = replaced(
-                assignment.expression, self._assigned
-            )
-        self._solved = reduced.solutions
-        self._rates = dict(zip(rates, reduced.explicit(), strict=True))
-
-    def __call__(self, expression: sympy.Expr) -> sympy.Expr:
-        """Return `expression` with everything inserted, not simplified."""
-        for by in (self._assigned, self._solved, self._rates):
-            expression = replaced(expression, by)
-        return expression
-
-
 def energy(
     graph: FinishedGraph, equations: StateEquations | None = None
 ) -> EnergyBalance:
@@ -248,6 +220,7 @@ class _Powers:
         for i, bond in enumerate(graph.bonds):
             self.bonds[bond.tail].append((i, bond))
             self.bonds[bond.head].append((i, bond))
+        self.laws = Laws(graph)
         self.without_formula = False
 
     def balance(self) -> EnergyBalance:
@@ -257,22 +230,22 @@ class _Powers:
         exchanged: list[Power] = []
         unproven: list[str] = []
         into_storages: list[sympy.Expr] = []
-        prove = _Proof(self.equations)
+        prove = PowerProof(self.equations)
         for node in self.graph.nodes:
             match node:
                 case EffortSource() | FlowSource():
                     supplied.append(self._power(node, -self._inflow(node)))
-                case Resistance():
+                case Resistance() | ResistanceField():
                     dissipated.append(self._power(node, self._inflow(node)))
-                case Inertance() | Compliance():
-                    function = energy_function(node)
+                case _ if isinstance(node, Storage | StorageField):
+                    function = energy_function(node, self.laws)
                     stored.append(self._stored(node, function))
                     if self._is_power(node):
                         into_storages.append(self._inflow(node))
                     exchanged += self._modulation(node, function)
                 case _:
                     exchanged += self._boundary(node)
-                    if not prove(self._inflow(node)):
+                    if not prove(self._inflow(node), node.name):
                         unproven.append(node.name)
         gained = _sum((*supplied, *exchanged)) - _sum(dissipated)
         modulated = _sum(x for x in exchanged if x.letter in ("I", "C"))
@@ -316,9 +289,9 @@ class _Powers:
         )
 
     def _stored(
-        self, node: Inertance | Compliance, function: EnergyFunction
+        self, node: Storage | StorageField, function: EnergyFunction
     ) -> StoredEnergy:
-        values = self._values(node.name, function)
+        values = self._values(node, function)
         return StoredEnergy(
             element=node.name,
             letter=letter(node),
@@ -328,23 +301,23 @@ class _Powers:
         )
 
     def _values(
-        self, place: str, function: EnergyFunction
+        self, node: Storage | StorageField, function: EnergyFunction
     ) -> dict[sympy.Symbol, sympy.Expr]:
         """Return what the variables of an energy function stand for."""
         values = {
-            variable: self.equations.signal(_QUANTITY[variable], place)
+            variable: self.equations.signal(*_port_variable(node, variable))
             for variable in function.variables
         }
         read = signals_in(function.expression)
         return {**values, **signal_values(self.graph, self.equations, read)}
 
     def _modulation(
-        self, node: Inertance | Compliance, function: EnergyFunction
+        self, node: Storage | StorageField, function: EnergyFunction
     ) -> list[Power]:
         """Return the power by which a moving law changes the energy it stores."""
         if not function.is_modulated:
             return []
-        values = self._values(node.name, function)
+        values = self._values(node, function)
         terms = [
             function.expression.diff(signal) * rate
             for signal in signals_in(function.expression)
@@ -356,7 +329,7 @@ class _Powers:
     def _rate(self, expression: sympy.Expr) -> sympy.Expr:
         """Return d(expression)/dt; a symbol of its own where there is no formula."""
         try:
-            return _rate_of(expression, self.equations)
+            return rate_of(expression, self.equations)
         except EquationError:
             self.without_formula = True
             return sympy.Symbol(f"d({expression})/dt", real=True)
@@ -373,115 +346,21 @@ class _Powers:
 
 
 _QUANTITY = {
-    e: Quantity.EFFORT,
-    f: Quantity.FLOW,
-    p: Quantity.MOMENTUM,
-    q: Quantity.DISPLACEMENT,
+    "e": Quantity.EFFORT,
+    "f": Quantity.FLOW,
+    "p": Quantity.MOMENTUM,
+    "q": Quantity.DISPLACEMENT,
 }
+
+
+def _port_variable(node: Node, variable: sympy.Symbol) -> tuple[Quantity, str]:
+    """Return which quantity, and where, a variable of the laws of `node` is."""
+    if isinstance(variable, PortVariable):
+        assert isinstance(node, StorageField)
+        return _QUANTITY[variable.letter], node.port(variable.number)
+    return _QUANTITY[variable.name], node.name
 
 
 def is_power_domain(domain: EnergyDomain) -> bool:
     """Return whether effort times flow is a power in `domain`."""
     return domain.name != THERMAL.name
-
-
-def signal_values(
-    graph: FinishedGraph, equations: StateEquations, signals: Iterable[Signal]
-) -> dict[sympy.Symbol, sympy.Expr]:
-    """Return what signals that a law of `graph` reads are in its equations.
-
-    Integrals of flows and efforts at junctions are not among the equations' signals;
-    those are read through a measurement, which adds no state, because the law already
-    made one.
-    """
-    known = equations.signals
-    found = {s: known[s.quantity, s.place] for s in signals if s in _direct(known)}
-    missing = [s for s in signals if s not in found]
-    if missing:
-        probes = tuple(Measurement(f"~{s}", s, "1") for s in missing)
-        probed = derive(replace(graph, measurements=(*graph.measurements, *probes)))
-        values = [output.expression for output in probed.outputs[-len(missing) :]]
-        found.update(zip(missing, values, strict=True))
-    return found
-
-
-def _direct(known: Mapping[tuple[Quantity, str], sympy.Expr]) -> set[Signal]:
-    return {Signal(quantity, place) for quantity, place in known}
-
-
-def _rate_of(expression: sympy.Expr, equations: StateEquations) -> sympy.Expr:
-    """Return d(expression)/dt in terms of what is assigned."""
-    leaves: dict[sympy.Symbol, sympy.Expr] = {
-        s.symbol: s.rate for s in equations.states
-    }
-    leaves.update(zip(equations.inputs, equations.input_rates, strict=True))
-    unknowns = set(equations.unknowns)
-
-    def residual_of(symbol: sympy.Symbol) -> None:
-        if symbol in unknowns:
-            raise EquationError(
-                f"The rate of the unknown {str(symbol)!r} has no formula.",
-                (str(symbol),),
-                "Put a storage where it is read.",
-            )
-
-    assigned = {a.symbol: a.expression for a in equations.assignments}
-    derivative = TimeDerivative(assigned, leaves, residual_of, SymbolNames())
-    rate = derivative.of(expression)
-    made: dict[sympy.Symbol, sympy.Expr] = {}
-    for symbol, right in derivative.assignments.values():
-        made[symbol] = replaced(right, made)
-    return replaced(rate, made)
-
-
-class _Proof:
-    """Shows that a sum of products vanishes, by inserting few assignments.
-
-    They are inserted from the last backwards; the one that a junction or two-port gives
-    comes after those it reads, so a true balance cancels after a step or two.
-    """
-
-    def __init__(self, equations: StateEquations) -> None:
-        listed: tuple[Assignment, ...] = (*equations.assignments, *equations.further)
-        self._place = {a.symbol: i for i, a in enumerate(listed)}
-        self._expression = {a.symbol: a.expression for a in listed}
-        residuals = dict(zip(equations.unknowns, equations.residuals, strict=True))
-        values = {z: z - residual for z, residual in residuals.items()}
-        self._cut = {z: x for z, x in values.items() if z not in x.free_symbols}
-        self._rings = [(z, residuals[z]) for z in values if z not in self._cut]
-
-    def __call__(self, power: sympy.Expr) -> bool:
-        """Return whether `power` vanishes whatever the states are."""
-        cut = sorted((x for x in power.free_symbols if x in self._cut), key=str)
-        choices = [[], *([x] for x in cut), cut]
-        return any(
-            self._vanishes(power.xreplace({x: self._cut[x] for x in choice}))
-            for choice in choices
-        )
-
-    def _vanishes(self, power: sympy.Expr) -> bool:
-        here = sympy.expand(power)
-        for _ in range(LONGEST_PROOF):
-            if here == 0 or any(self._contains(here, *ring) for ring in self._rings):
-                return True
-            last = max(
-                (s for s in here.free_symbols if s in self._place),
-                key=self._place.__getitem__,
-                default=None,
-            )
-            if last is None:
-                return False
-            here = sympy.expand(here.xreplace({last: self._expression[last]}))
-        return False
-
-    def _contains(
-        self, power: sympy.Expr, unknown: sympy.Symbol, residual: sympy.Expr
-    ) -> bool:
-        """Return whether `residual`, which vanishes, is a factor of `power`."""
-        if unknown not in power.free_symbols:
-            return False
-        tops = [sympy.fraction(sympy.together(x))[0] for x in (power, residual)]
-        if not all(top.is_polynomial(unknown) for top in tops):
-            return False
-        whole, divisor = (sympy.Poly(x, unknown) for x in tops)
-        return bool(divisor.degree() > 0 and whole.prem(divisor).is_zero)

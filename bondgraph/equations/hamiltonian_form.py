@@ -23,8 +23,8 @@ import sympy
 from bondgraph.causality.records import CausalAssignment
 from bondgraph.equations.chain_rule import Row
 from bondgraph.equations.derivation import derive
-from bondgraph.equations.energy import Insertion, signal_values
-from bondgraph.equations.inversion import explicit
+from bondgraph.equations.insertion import Insertion, signal_values
+from bondgraph.equations.inversion import Laws
 from bondgraph.equations.power_structure import power_structure
 from bondgraph.equations.rational import in_lowest_terms, solved
 from bondgraph.equations.stored_energy import energy_function
@@ -63,6 +63,7 @@ class HamiltonianForm:
     def __init__(self, graph: FinishedGraph, causality: CausalAssignment) -> None:
         self._graph = graph
         self._nodes = graph.by_name
+        self._laws = Laws(graph)
         self._equations = derive(graph, causality=causality)
         self._insertion: Insertion | None = None
         symbols = {s.place: s.symbol for s in self._equations.states}
@@ -108,8 +109,7 @@ class HamiltonianForm:
         across = _product(inverse, _transposed(B))
         drift = _product(_product(inverse, passing), _transposed(inverse))
         whole = _blocks(drift, across, len(self._storages))
-        self.J = _combined((HALF, whole), (-HALF, _transposed(whole)))
-        self.R = _combined((-HALF, whole), (-HALF, _transposed(whole)))
+        self.J, self.R = _skew_and_symmetric(whole)
 
         moved = _product(Tt, _product(D_free, B_u))
         gain = _combined((HALF, L), (HALF, _transposed(Y)), (-1, moved))
@@ -211,7 +211,7 @@ class HamiltonianForm:
         node = self._nodes[name]
         assert isinstance(node, Inertance | Compliance)
         stored, co = _variables(node)
-        law = explicit(node, co)
+        law = self._laws.explicit(node, co)
         assert law is not None, f"{name} was refused before"
         symbol = self._symbols[self._storages.index(name)]
         return law.xreplace({stored: symbol})
@@ -221,7 +221,7 @@ class HamiltonianForm:
         node = self._nodes[name]
         assert isinstance(node, Inertance | Compliance)
         stored, co = _variables(node)
-        law = explicit(node, stored)
+        law = self._laws.explicit(node, stored)
         assert law is not None, f"{name} was refused before"
         return law.xreplace({co: co_energy})
 
@@ -235,7 +235,7 @@ class HamiltonianForm:
         for name, content, co_energy in zip(names, held, given, strict=True):
             node = self._nodes[name]
             assert isinstance(node, Inertance | Compliance)
-            function = energy_function(node)
+            function = energy_function(node, self._laws)
             value = content if function.reads_stored else co_energy
             terms.append(function.expression.xreplace({function.variables[0]: value}))
         return sympy.Add(*terms)
@@ -339,3 +339,16 @@ def _blocks(drift: Sparse, across: Sparse, size: int) -> Sparse:
         whole[i, size + j] = -x
         whole[size + j, i] = x
     return whole
+
+
+def _skew_and_symmetric(matrix: Sparse) -> tuple[Sparse, Sparse]:
+    """Return J and R with ``matrix = J - R``, each the mirror image of itself."""
+    upper = {key: x for key, x in matrix.items() if key[0] < key[1]}
+    lower = {(j, i): x for (i, j), x in matrix.items() if i > j}
+    skew = _combined((HALF, upper), (-HALF, lower))
+    symmetric = _combined((-HALF, upper), (-HALF, lower))
+    diagonal = {key: -x for key, x in matrix.items() if key[0] == key[1]}
+    return (
+        {**skew, **{(j, i): -x for (i, j), x in skew.items()}},
+        {**diagonal, **symmetric, **_transposed(symmetric)},
+    )

@@ -8,6 +8,7 @@ directly. How the matrices are found: `bondgraph.equations.hamiltonian_form`.
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from typing import TypeAlias
 
 import sympy
 
@@ -16,7 +17,7 @@ from bondgraph.causality.records import CausalAssignment
 from bondgraph.equations.derivation import derive
 from bondgraph.equations.energy import is_power_domain
 from bondgraph.equations.hamiltonian_form import HamiltonianForm, NoForm, Sparse
-from bondgraph.equations.inversion import explicit
+from bondgraph.equations.inversion import Laws
 from bondgraph.equations.rendering import SHORT
 from bondgraph.equations.stored_energy import energy_function
 from bondgraph.structure import signals
@@ -25,7 +26,7 @@ from bondgraph.structure.graph import FinishedGraph, used_parameters
 from bondgraph.structure.parameters import Parameter
 from bondgraph.structure.signals import parameter_symbol
 
-Matrix = sympy.ImmutableSparseMatrix
+Matrix: TypeAlias = sympy.ImmutableSparseMatrix
 
 
 class FormStatus(StrEnum):
@@ -243,6 +244,7 @@ def _without_measurements(graph: FinishedGraph) -> FinishedGraph:
 def _refusals(graph: FinishedGraph, causality: CausalAssignment) -> list[str]:
     """Return why the elements themselves exclude the form."""
     found = []
+    laws = Laws(graph)
     for domain in {d.name: d for d in graph.domains}.values():
         if not is_power_domain(domain):
             found.append(f"Effort times flow is no power in the {domain.name} domain.")
@@ -253,7 +255,7 @@ def _refusals(graph: FinishedGraph, causality: CausalAssignment) -> list[str]:
             case Resistance():
                 found += _refused_resistance(node)
             case Inertance() | Compliance():
-                found += _refused_storage(node, node.name in causality.integral)
+                found += _refused_storage(node, node.name in causality.integral, laws)
     return found
 
 
@@ -269,14 +271,16 @@ def _refused_resistance(node: Resistance) -> list[str]:
     ]
 
 
-def _refused_storage(node: Inertance | Compliance, is_integral: bool) -> list[str]:
+def _refused_storage(
+    node: Inertance | Compliance, is_integral: bool, laws: Laws
+) -> list[str]:
     stored, co = (signals.p, signals.f)
     if isinstance(node, Compliance):
         stored, co = signals.q, signals.e
-    if explicit(node, co if is_integral else stored) is None:
+    if laws.explicit(node, co if is_integral else stored) is None:
         wanted = co if is_integral else stored
         return [f"The law of {letter(node)} {node.name!r} has no formula for {wanted}."]
-    if energy_function(node).is_modulated:
+    if energy_function(node, laws).is_modulated:
         return [
             f"The energy in {letter(node)} {node.name!r} depends on more than a state."
         ]

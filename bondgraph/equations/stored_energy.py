@@ -14,10 +14,12 @@ from enum import StrEnum
 import sympy
 from sympy.integrals.manualintegrate import manualintegrate
 
-from bondgraph.equations.inversion import explicit
+from bondgraph.equations.inversion import Laws
 from bondgraph.equations.rational import RationalField
 from bondgraph.structure import signals
-from bondgraph.structure.elements import Compliance, Inertance, Relation
+from bondgraph.structure.elements import Inertance, Storage
+from bondgraph.structure.fields import StorageField
+from bondgraph.structure.relations import Relation
 from bondgraph.structure.signals import parameter_symbol, signals_in
 
 LONGEST = 40  # operations in a term up to which a closed form is looked for
@@ -65,14 +67,24 @@ class EnergyFunction:
         )
 
 
-def energy_function(element: Inertance | Compliance) -> EnergyFunction:
-    """Return the energy stored in `element` as a function of its own port variable."""
+def energy_function(element: Storage | StorageField, laws: Laws) -> EnergyFunction:
+    """Return the energy stored in `element` as a function of its own port variables.
+
+    Parameters
+    ----------
+    laws
+        The laws of the graph, which know when a law can be turned round.
+    """
+    if isinstance(element, StorageField):
+        relations = element.relations
+        gives_co = relations[0].output != element.stored[0]
+        return energy_of_laws(relations, gives_co=gives_co)
     inertance = isinstance(element, Inertance)
     stored, co = (signals.p, signals.f) if inertance else (signals.q, signals.e)
     if element.law is None:  # the common case, without integrating anything
         linear = stored**2 / (2 * parameter_symbol(element.name))
         return EnergyFunction((stored,), linear, EnergyForm.CLOSED, True)
-    law = explicit(element, co)
+    law = laws.smooth(element, co)
     if law is not None:
         return energy_of_laws([Relation(co, stored, law)], gives_co=True)
     return energy_of_laws([element.relation], gives_co=False)
