@@ -18,7 +18,8 @@ class Case:
     of parameter names. ``relations`` are texts that must vanish, for answers that have
     no closed form: in states, rates (``dq_c`` for the rate of ``q_c``), inputs, their
     rates (``du``), outputs and parameters. An ``active`` case has a source that reads
-    a signal, so that it is more than a graph of power.
+    a signal, so that it is more than a graph of power. ``where`` gives numbers for
+    symbols that cannot have any.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Case:
     transfers: Mapping[tuple[str, str], str] = field(default_factory=dict)
     relations: tuple[str, ...] = ()
     active: bool = False
+    where: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def linear(self) -> bool:

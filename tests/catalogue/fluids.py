@@ -179,6 +179,7 @@ def accumulator_on_a_line(g: BondGraph) -> None:
 
 @case(
     source="gas accumulator, isothermal: (p0 + e)(v0 - q) = p0 v0",
+    where={"v0": 2.3},
     states=("q_gas",),
     rates={"q_gas": "(supply - p0*q_gas/(v0 - q_gas))/r"},
 )

@@ -236,7 +236,7 @@ def scotch_yoke(g: BondGraph) -> None:
         "w - cos(beta)/(1 - sin(beta)**2*cos(q_input)**2)*p_j/j",
         "dq_input - p_j/j",
         # Power: what the input gives is what both inertias take.
-        "torque*p_j/j - p_j*dp_j/j**2 - load*w*dw - b*w**2",
+        "torque*p_j/j - p_j*dp_j/j - load*w*dw - b*w**2",
         "dw - cos(beta)/(1 - sin(beta)**2*cos(q_input)**2)*dp_j/j"
         " + cos(beta)*2*sin(beta)**2*cos(q_input)*sin(q_input)"
         "/(1 - sin(beta)**2*cos(q_input)**2)**2*(p_j/j)**2",
