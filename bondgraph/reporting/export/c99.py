@@ -43,7 +43,7 @@ _MATH = (
     "float_t double_t linux unix"
 ).split()
 _OWN = (
-    "t x u p z r J dx y start status residuals solve factor substitute sign_of"
+    "t x u p z res jac dx y start status residuals solve factor substitute sign_of"
 ).split()
 _RESERVED = (*_KEYWORDS, *_MATH, *_OWN)
 
@@ -276,28 +276,28 @@ def _solver(program: Program) -> list[str]:
     own = Block(planned.residuals.statements, planned.residuals.results)
     late = [s for s in _locals(program, whole) if s not in _locals(program, own)]
     lines = [
-        "/* Residuals r of the unknowns, and dr/dz row by row where J is not NULL. */",
+        "/* Residuals of the unknowns, and dr/dz row by row where jac is not NULL. */",
         "static void residuals(double t, const double x[], const double u[],",
         f"    const {program.name}_parameters *p, const double z[],",
-        "    double r[], double J[])",
+        "    double res[], double jac[])",
         "{",
         *_locals(program, own),
         *_statements(program, own.statements),
         *(
-            wrapped(f"    r[{i}] = {printer.doprint(value)};")
+            wrapped(f"    res[{i}] = {printer.doprint(value)};")
             for i, value in enumerate(own.results)
         ),
         *_unused(program, whole, "t x u p z"),
-        "    if (J != NULL) {",
+        "    if (jac != NULL) {",
     ]
     inner = [
         *late,
         *_statements(program, tangents.statements),
         "    int i;",
         f"    for (i = 0; i < {n * n}; ++i)",
-        "        J[i] = 0.0;",
+        "        jac[i] = 0.0;",
         *(
-            wrapped(f"    J[{i * n + j}] = {printer.doprint(value)};")
+            wrapped(f"    jac[{i * n + j}] = {printer.doprint(value)};")
             for (i, j), value in tangents.entries.items()
         ),
     ]

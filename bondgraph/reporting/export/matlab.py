@@ -35,8 +35,8 @@ _RESERVED = (
     # what the file calls
     "sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt abs sign max min "
     "zeros ones eye all any isfinite isempty nargin error struct numel norm eps pi "
-    "i j Inf NaN nan inf ans true false ode45 ode15s "
-    "t x u p z r J dx y model step trial weight size last damping iteration "
+    "Inf NaN nan inf ans true false ode45 ode15s "
+    "t x u p z res jac dx y model step trial weight size last damping iteration "
     "next rates outputs residuals unknowns choose size_of"
 ).split()
 
@@ -217,14 +217,14 @@ def _residuals(program: Program) -> list[str]:
     statements = (*own.statements, *jacobian.statements)
     whole = Block(statements, (*own.results, *jacobian.entries.values()))
     return [
-        "function [r, J] = residuals(t, x, u, p, z)",
+        "function [res, jac] = residuals(t, x, u, p, z)",
         "  % What must vanish, and its derivatives with respect to z.",
         *_locals(program, whole),
         *_statements(program, statements),
-        *_results(program, "r", own),
-        f"  J = zeros({n}, {n});",
+        *_results(program, "res", own),
+        f"  jac = zeros({n}, {n});",
         *(
-            _line(f"  J({i + 1}, {j + 1}) = {printer.doprint(value)};")
+            _line(f"  jac({i + 1}, {j + 1}) = {printer.doprint(value)};")
             for (i, j), value in jacobian.entries.items()
         ),
         "end",
@@ -245,8 +245,8 @@ end
 _LINEAR = """\
 function z = unknowns(t, x, u, p, z)
   % The residuals are linear in z: one step from zero solves them.
-  [r, J] = residuals(t, x, u, p, zeros(numel(z), 1));
-  z = -(J \\ r);
+  [res, jac] = residuals(t, x, u, p, zeros(numel(z), 1));
+  z = -(jac \\ res);
   if ~all(isfinite(z))
     error('bondgraph:singular', 'The unknowns are not determined here.');
   end
@@ -261,12 +261,12 @@ function z = unknowns(t, x, u, p, z)
   weight = 1e-6 * ones(numel(z), 1);
   last = Inf;
   for iteration = 1:100
-    [r, J] = residuals(t, x, u, p, z);
-    if iteration == 1 && any(all(J == 0, 2))
+    [res, jac] = residuals(t, x, u, p, z);
+    if iteration == 1 && any(all(jac == 0, 2))
       z = z + 1e-3 * (1:numel(z)).';  % flat at the start: look a little further
-      [r, J] = residuals(t, x, u, p, z);
+      [res, jac] = residuals(t, x, u, p, z);
     end
-    step = J \\ r;
+    step = jac \\ res;
     weight = max(weight, abs(z));
     size = size_of(step, weight);
     if ~isfinite(size)
@@ -278,7 +278,7 @@ function z = unknowns(t, x, u, p, z)
       if size <= 1e-12
         break
       end
-      next = J \\ residuals(t, x, u, p, trial);
+      next = jac \\ residuals(t, x, u, p, trial);
       if size_of(next, weight) <= (1 - 0.25 * damping) * size || damping < 1e-4
         break
       end
