@@ -11,14 +11,13 @@ that moves binds nothing.
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from heapq import heapify, heappop, heappush
 
 import sympy
 
 from bondgraph.equations.derivation import derive
+from bondgraph.equations.elimination import Row, eliminated, reduced, total
 from bondgraph.equations.energy import energy
 from bondgraph.equations.insertion import in_terms_of_states
-from bondgraph.equations.rational import in_lowest_terms
 from bondgraph.equations.state_equations import State, StateEquations
 from bondgraph.equations.wires import SymbolNames, Wires
 from bondgraph.structure.domains import Quantity
@@ -37,9 +36,6 @@ from bondgraph.structure.elements import (
 from bondgraph.structure.fields import ResistanceField, StorageField
 from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.signals import t
-
-Row = dict[sympy.Symbol, sympy.Expr]
-ZERO, ONE = sympy.S.Zero, sympy.S.One
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,7 +146,7 @@ def invariants(
     """
     equations = derive(graph) if equations is None else equations
     held = _Held(graph, equations)
-    rows = _reduced(_eliminated(held.rows, set(held.contents)), held.contents)
+    rows = reduced(eliminated(held.rows, set(held.contents)), held.contents)
     states = {s.symbol for s in equations.states}
     measured_only, unread = _without_effect(equations)
     return Invariants(
@@ -258,8 +254,8 @@ class _Held:
         self.rows.extend(_row([(1, left), (-k, right)]) for left, right in pairs)
 
     def first_integral(self, row: Row) -> FirstIntegral:
-        total = sympy.Add(*(x * self.contents[s] for s, x in row.items()))
-        expression = in_terms_of_states(total, self.equations)
+        combination = sympy.Add(*(x * self.contents[s] for s, x in row.items()))
+        expression = in_terms_of_states(combination, self.equations)
         places = tuple(self.place[s] for s in reversed(self.contents) if s in row)
         words = {
             self.graph.domain_at(_owner(self.place[s])).word(self.quantity[s])
@@ -301,100 +297,8 @@ def _row(terms: Iterable[tuple[sympy.Expr | int, sympy.Expr]]) -> Row:
     for factor, signed in terms:
         (symbol,) = signed.free_symbols
         value = sympy.sympify(factor) if signed.is_Symbol else -sympy.sympify(factor)
-        row[symbol] = _sum(row.get(symbol, ZERO), value)
+        row[symbol] = total(row.get(symbol, sympy.S.Zero), value)
     return {symbol: value for symbol, value in row.items() if value != 0}
-
-
-def _sum(one: sympy.Expr, other: sympy.Expr) -> sympy.Expr:
-    """Return the sum of two coefficients, exactly zero where it vanishes."""
-    total = one + other
-    if total.is_Number or not total.has(sympy.Add):
-        return total
-    return in_lowest_terms([one, other])
-
-
-def _eliminated(rows: list[Row], kept: set[sympy.Symbol]) -> list[Row]:
-    """Return what the rows say of the `kept` symbols alone.
-
-    The symbol that fewest rows contain goes first; one that a single row contains
-    takes that row with it, and nothing is computed.
-    """
-    live = dict(enumerate(rows))
-    columns: dict[sympy.Symbol, set[int]] = {}
-    for i, row in live.items():
-        for symbol in row:
-            if symbol not in kept:
-                columns.setdefault(symbol, set()).add(i)
-    order = {symbol: n for n, symbol in enumerate(columns)}
-    queue = [(len(found), order[s], s) for s, found in columns.items()]
-    heapify(queue)
-    while queue:
-        count, _, symbol = heappop(queue)
-        if len(columns.get(symbol, ())) == count > 0:  # else an entry out of date
-            for other in _eliminate(symbol, live, columns):
-                heappush(queue, (len(columns[other]), order[other], other))
-    return [row for row in live.values() if row]
-
-
-def _eliminate(
-    symbol: sympy.Symbol, live: dict[int, Row], columns: dict[sympy.Symbol, set[int]]
-) -> list[sympy.Symbol]:
-    """Remove `symbol` with one row from all others; return whose columns changed."""
-    found = columns.pop(symbol)
-    chosen = min(found, key=lambda i: (len(live[i]), i))
-    pivot = live.pop(chosen)
-    changed = [other for other in pivot if other in columns]
-    for i in sorted(found - {chosen}):
-        live[i] = _subtracted(live[i], pivot, symbol)
-    for other in changed:
-        columns[other] -= found
-        columns[other].update(i for i in found if other in live.get(i, ()))
-    return changed
-
-
-def _subtracted(row: Row, pivot: Row, symbol: sympy.Symbol) -> Row:
-    """Return `row` less the multiple of `pivot` that removes `symbol`."""
-    factor = -row[symbol] / pivot[symbol]
-    if factor.has(sympy.Add):
-        factor = in_lowest_terms([factor])
-    result = dict(row)
-    for other, value in pivot.items():
-        total = _sum(result.get(other, ZERO), factor * value)
-        if other == symbol or total == 0:
-            result.pop(other, None)
-        else:
-            result[other] = total
-    return result
-
-
-def _reduced(
-    rows: list[Row], preferred: Iterable[sympy.Symbol]
-) -> dict[sympy.Symbol, Row]:
-    """Return a basis of the rows by pivot; a pivot occurs in its own row alone.
-
-    Pivots are taken in the order of `preferred`, where there is a choice.
-    """
-    place = {symbol: i for i, symbol in enumerate(preferred)}
-    basis: dict[sympy.Symbol, Row] = {}
-    for row in rows:
-        here = row
-        for symbol in [s for s in here if s in basis]:
-            if symbol in here:
-                here = _subtracted(here, basis[symbol], symbol)
-        if not here:
-            continue
-        pivot = min(here, key=place.__getitem__)
-        scaled = {s: _quotient(x, here[pivot]) for s, x in here.items()}
-        for other, known in basis.items():
-            if pivot in known:
-                basis[other] = _subtracted(known, scaled, pivot)
-        basis[pivot] = scaled
-    return basis
-
-
-def _quotient(value: sympy.Expr, divisor: sympy.Expr) -> sympy.Expr:
-    result = value / divisor
-    return in_lowest_terms([result]) if result.has(sympy.Add) else result
 
 
 def _without_effect(

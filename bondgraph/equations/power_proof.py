@@ -7,6 +7,7 @@ one first, does. That is exact, and costs the same in a graph of any size.
 
 import sympy
 
+from bondgraph.equations.sorting import replaced
 from bondgraph.equations.state_equations import Assignment, StateEquations
 
 LONGEST_PROOF = 40  # assignments inserted before the proof of one node is given up
