@@ -6,6 +6,7 @@ store. Nothing is ever expanded.
 """
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 
 import sympy
 
@@ -24,12 +25,24 @@ from bondgraph.equations.sorting import (
 from bondgraph.equations.state_equations import Assignment, Output, StateEquations
 from bondgraph.errors import EquationError
 from bondgraph.structure.domains import Quantity
-from bondgraph.structure.elements import ZeroJunction, is_one_port, letter
+from bondgraph.structure.elements import (
+    Junction,
+    ZeroJunction,
+    is_one_port,
+    letter,
+)
 from bondgraph.structure.fields import MultiPort
-from bondgraph.structure.graph import FinishedGraph
+from bondgraph.structure.graph import FinishedGraph, Wanted
 from bondgraph.structure.signals import parameter_symbol, t
 
-Unknowns = dict[sympy.Symbol, tuple[sympy.Expr, str]]  # residual, reason
+
+@dataclass(frozen=True, slots=True)
+class _Unknown:
+    """An algebraic unknown's residual, why it is one, and the elements it is due to."""
+
+    residual: sympy.Expr
+    reason: str
+    elements: tuple[str, ...]
 
 
 def derive(
@@ -76,36 +89,37 @@ class _Derivation:
         self.input_rates = {
             symbol: names.symbol(f"d{symbol.name}") for symbol in self.inputs.values()
         }
-        self.unknowns: Unknowns = {}
+        self.unknowns: dict[sympy.Symbol, _Unknown] = {}
         self.order = self._sort(causality)
         self.spares_possible = True
         self._differentiate()
 
     def _sort(self, causality: CausalAssignment) -> list[sympy.Symbol]:
         """Order the definitions; cut wires and laws without a formula are unknowns."""
-        free = set(causality.arbitrary)
+        free = {name.partition("[")[0] for name in causality.arbitrary}
         liked = [s for s, d in self.definitions.given.items() if d.origin in free]
         order, cut = cut_loops(dependencies(self.given), liked)
         for symbol, loop in cut.items():
             residual = symbol - self.given.pop(symbol)
-            self.unknowns[symbol] = (residual, self._loop_in_words(loop))
+            self.unknowns[symbol] = self._in_loop(residual, loop)
         for implicit in self.definitions.implicit.values():
             residual = replaced(implicit.residual, self.aliases)
-            self.unknowns[implicit.symbol] = (residual, implicit.reason)
+            self.unknowns[implicit.symbol] = _Unknown(
+                residual, implicit.reason, (implicit.origin,)
+            )
         return order
 
-    def _loop_in_words(self, loop: tuple[sympy.Symbol, ...]) -> str:
-        elements = dict.fromkeys(
-            self.definitions.given[symbol].origin for symbol in loop
-        )
-        named = [
-            f"{letter(node)} {name!r}"
-            for name in sorted(elements)
-            for node in (self.definitions.wires.nodes[name],)
-            if not isinstance(node, ZeroJunction) and letter(node) != "1"
-        ]
-        through = ", ".join(named or sorted(map(repr, elements)))
-        return f"algebraic loop through {through}"
+    def _in_loop(
+        self, residual: sympy.Expr, loop: tuple[sympy.Symbol, ...]
+    ) -> _Unknown:
+        """Return the unknown that opens a loop, with the elements in it."""
+        nodes = self.definitions.wires.nodes
+        origins = sorted({self.definitions.given[symbol].origin for symbol in loop})
+        elements = [name for name in origins if not isinstance(nodes[name], Junction)]
+        named = [f"{letter(nodes[name])} {name!r}" for name in elements]
+        through = ", ".join(named or map(repr, origins))
+        reason = f"algebraic loop through {through}"
+        return _Unknown(residual, reason, tuple(elements or origins))
 
     def _differentiate(self) -> None:
         """Add the residuals of dependent storages."""
@@ -117,10 +131,13 @@ class _Derivation:
             stored = replaced(dependent.stored, self.aliases)
             own = replaced(dependent.own, self.aliases)
             residual = own - derivative.of(stored)
-            self.unknowns[dependent.symbol] = (residual, dependent.reason)
+            self.unknowns[dependent.symbol] = _Unknown(
+                residual, dependent.reason, (dependent.origin,)
+            )
         for rate, residual in derivative.residuals().items():
             reason = f"{rate} is a rate that a dependent storage follows"
-            self.unknowns[rate] = (residual, reason)
+            followed = self.unknowns[derivative.source_of(rate)].elements
+            self.unknowns[rate] = _Unknown(residual, reason, followed)
             self.spares_possible = False
         for source, (symbol, expression) in derivative.assignments.items():
             self.given[symbol] = expression
@@ -131,15 +148,22 @@ class _Derivation:
         """Return the residual of an unknown that may be differentiated."""
         dependent = self.definitions.dependent.get(symbol)
         if dependent is not None:
+            wished = any(
+                p.element.partition("[")[0] == dependent.origin
+                and p.wanted is Wanted.DERIVATIVE
+                for p in self.graph.preferences
+            )
             raise EquationError(
                 f"The equations need the rate of {str(symbol)!r}, which itself follows "
                 f"from a rate: {dependent.reason}, and another dependent storage "
                 f"follows it.",
                 (dependent.origin,),
-                "Put an R or a C (an I) between the two, as every real part has.",
+                f"Drop the wish that {dependent.origin!r} be derivative."
+                if wished
+                else "Put an R or a C (an I) between the two, as every real part has.",
             )
         if symbol in self.unknowns:
-            return self.unknowns[symbol][0]
+            return self.unknowns[symbol].residual
         return None
 
     def equations(self) -> StateEquations:
@@ -153,7 +177,7 @@ class _Derivation:
         )
         spare = self._spare_unknowns([*rates, *(o.expression for o in outputs)])
         unknowns = [s for s in self.unknowns if s not in spare]
-        residuals = tuple(self.unknowns[s][0] for s in unknowns)
+        residuals = tuple(self.unknowns[s].residual for s in unknowns)
         needed = self._needed([*rates, *residuals, *(o.expression for o in outputs)])
         listed = [s for s in self.order if s in needed]
         equations = StateEquations(
@@ -168,7 +192,8 @@ class _Derivation:
             residuals=residuals,
             outputs=outputs,
             input_units=tuple(self.graph.input_unit(name) for name in self.inputs),
-            reasons=tuple(self.unknowns[s][1] for s in unknowns),
+            reasons=tuple(self.unknowns[s].reason for s in unknowns),
+            causes=tuple(self.unknowns[s].elements for s in unknowns),
             further=tuple(map(self._assignment, self._further(spare, needed))),
             signals=self._signals(),
         )
@@ -181,10 +206,10 @@ class _Derivation:
     ) -> list[sympy.Symbol]:
         """Return in order the symbols that nothing needs; `spare` become explicit."""
         for symbol in spare:
-            residual, reason = self.unknowns[symbol]
+            unknown = self.unknowns[symbol]
             sign = self.definitions.dependent[symbol].own.coeff(symbol)
-            self.given[symbol] = symbol - sign * residual
-            self.why[symbol] = reason
+            self.given[symbol] = symbol - sign * unknown.residual
+            self.why[symbol] = unknown.reason
         rest = {s: x for s, x in self.given.items() if s not in needed}
         return [s for (s,) in components(dependencies(rest), rest, set())]
 
@@ -204,7 +229,7 @@ class _Derivation:
                 if symbol in self.given:
                     pending.extend(self.given[symbol].free_symbols)
                 else:
-                    pending.extend(self.unknowns[symbol][0].free_symbols)
+                    pending.extend(self.unknowns[symbol].residual.free_symbols)
         return needed
 
     def _spare_unknowns(self, roots: list[sympy.Expr]) -> list[sympy.Symbol]:
@@ -215,8 +240,8 @@ class _Derivation:
         if not self.spares_possible:
             return []
         loops = [
-            residual
-            for symbol, (residual, _) in self.unknowns.items()
+            unknown.residual
+            for symbol, unknown in self.unknowns.items()
             if symbol not in self.definitions.dependent
         ]
         needed = self._needed([*roots, *loops])

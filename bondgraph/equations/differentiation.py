@@ -60,6 +60,10 @@ class TimeDerivative:
                     self._known[symbol] = self._of_leaf(symbol)
         return self._total(expression)
 
+    def source_of(self, rate: sympy.Symbol) -> sympy.Symbol:
+        """Return the unknown whose derivative the unknown `rate` is."""
+        return next(source for source, r in self.unknowns.items() if r == rate)
+
     def residuals(self) -> dict[sympy.Symbol, sympy.Expr]:
         """Return the residual of each derivative that is itself an unknown."""
         done: dict[sympy.Symbol, sympy.Expr] = {}

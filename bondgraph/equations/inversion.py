@@ -161,7 +161,9 @@ class Laws:
 
     def rises_or_falls(self, slope: sympy.Expr, argument: sympy.Symbol) -> bool:
         """Return whether `slope` has one sign, zero at most at single points."""
-        signed = self._with_signs(slope)
+        # x sign(x) is |x|, which sympy does not see by itself
+        modulus = {sympy.sign(argument): sympy.Abs(argument) / argument}
+        signed = self._with_signs(slope.xreplace(modulus).expand())
         signed = signed.replace(_is_squared_tanh, _by_cosh)
         for form in (signed, sympy.expand(signed)):
             if form.is_positive or form.is_negative:

@@ -36,9 +36,10 @@ def refuse_singular(equations: StateEquations) -> None:
     if defective:
         named = ", ".join(str(equations.unknowns[i]) for i in defective)
         why = "; ".join(dict.fromkeys(equations.reasons[i] for i in defective))
+        blamed = dict.fromkeys(name for i in defective for name in equations.causes[i])
         raise EquationError(
             f"{equations.name!r} does not determine {named} ({why}).",
-            tuple(str(equations.unknowns[i]) for i in defective),
+            (*blamed, *(str(equations.unknowns[i]) for i in defective)),
             "A constraint is given twice or a ring has unit gain: remove one of the "
             "elements named here, or put an R or a storage between them.",
         )

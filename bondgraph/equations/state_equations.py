@@ -70,8 +70,9 @@ class StateEquations:
         Algebraic unknowns z and, for each, an expression that must vanish.
     parameters
         Parameter symbols, in the order of the graph's parameter set.
-    reasons
-        For each unknown, in words, why it is one.
+    reasons, causes
+        For each unknown, in words, why it is one, and the names of the elements that it
+        is due to: those in its algebraic loop, or the dependent storage.
     further
         Assignments, evaluated after the others, that neither a rate nor a residual nor
         an output needs; they complete `signals`.
@@ -92,6 +93,7 @@ class StateEquations:
     outputs: tuple[Output, ...]
     input_units: tuple[str, ...] = ()
     reasons: tuple[str, ...] = ()
+    causes: tuple[tuple[str, ...], ...] = ()
     further: tuple[Assignment, ...] = ()
     signals: Mapping[tuple[Quantity, str], sympy.Expr] = field(default_factory=dict)
 
