@@ -230,15 +230,25 @@ def test_a_storage_that_nothing_else_sets_cannot_be_wished_dependent() -> None:
         derive(graph.finish())
 
 
-def test_a_resistance_may_give_what_one_wishes() -> None:
-    transfer_of = {}
-    for wanted in Wanted.INTEGRAL, Wanted.DERIVATIVE:
-        written = BondGraph("rc")
-        written.one("loop", Se("u"), R("r"), I("l"), Df("i"))
-        written.prefer("r", "effort" if wanted is Wanted.INTEGRAL else "flow")
-        system = linearise(derive(written.finish()))
-        transfer_of[wanted] = system.transfer_function().expression
-    assert agree(transfer_of[Wanted.INTEGRAL], transfer_of[Wanted.DERIVATIVE])
+def test_a_resistance_gives_what_one_wishes() -> None:
+    transfers = []
+    for gives in ("effort", "flow"):
+        graph = BondGraph("divider")
+        graph.one("loop", Se("u"), R("r1"), R("r2"), Df("i"))
+        graph.prefer("r1", gives)
+        causality = assign_causality(graph.finish())
+        at = causality.stroke_of("loop>r1").at
+        assert at == ("loop" if gives == "effort" else "r1")
+        transfers.append(linearise(derive(graph.finish())).transfer_function())
+    assert agree(transfers[0].expression, transfers[1].expression)
+
+
+def test_a_resistance_does_not_take_a_state_away() -> None:
+    graph = BondGraph("coil")
+    graph.one("loop", Se("u"), R("r"), I("l"))
+    graph.prefer("r", "flow")
+    causality = assign_causality(graph.finish())
+    assert (causality.integral, causality.unmet) == (("l",), ("r",))
 
 
 def test_a_wish_that_cannot_be_met_is_said() -> None:

@@ -1,8 +1,9 @@
 """What causality assignment may choose, and in which order it is best chosen.
 
-First what the author wishes for; then storages, integral, those whose law has no
-inverse before those that can easily be dependent; then resistances, those that work
-one way only before the others; last the bonds between junctions.
+First the storages that the author has a wish for; then the others, integral, those
+whose law has no inverse before those that can easily be dependent; then resistances,
+those with a wish first, then those that work one way only; last the bonds between
+junctions.
 """
 
 from collections.abc import Iterator
@@ -44,7 +45,9 @@ def choices(
         if wanted is None:
             ranked.append((rank, choice))
         else:
-            ranked.append((-1, _wished(board, choice, wanted)))
+            # A resistance's wish must not take a storage's state away.
+            first = -1 if choice.integral is not None else 9
+            ranked.append((first, _wished(board, choice, wanted)))
     ranked.sort(key=lambda item: item[0])  # stable: the author's order within a rank
     return [choice for _, choice in ranked]
 
