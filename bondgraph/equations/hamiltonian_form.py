@@ -25,23 +25,30 @@ from bondgraph.equations.chain_rule import Row
 from bondgraph.equations.derivation import derive
 from bondgraph.equations.insertion import Insertion, signal_values
 from bondgraph.equations.inversion import Laws
-from bondgraph.equations.power_structure import power_structure
-from bondgraph.equations.rational import in_lowest_terms, solved
+from bondgraph.equations.port_laws import port_law, port_place
+from bondgraph.equations.power_structure import coefficient_symbol, power_structure
+from bondgraph.equations.sparse_matrices import (
+    HALF,
+    Sparse,
+    applied,
+    blocks,
+    combined,
+    derivatives,
+    inverse_of_one_plus,
+    product,
+    skew_and_symmetric,
+    transposed,
+)
 from bondgraph.equations.stored_energy import energy_function
-from bondgraph.structure import signals
 from bondgraph.structure.elements import (
-    Compliance,
     EffortSource,
     FlowSource,
-    Inertance,
     Resistance,
-    letter,
+    Storage,
 )
+from bondgraph.structure.fields import ResistanceField, StorageField
 from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.signals import signals_in, t
-
-ZERO, ONE = sympy.S.Zero, sympy.S.One
-Sparse = dict[tuple[int, int], sympy.Expr]
 
 
 class NoForm(Exception):  # noqa: N818  (an answer on its way to a record, no error)
@@ -62,7 +69,6 @@ class HamiltonianForm:
 
     def __init__(self, graph: FinishedGraph, causality: CausalAssignment) -> None:
         self._graph = graph
-        self._nodes = graph.by_name
         self._laws = Laws(graph)
         self._equations = derive(graph, causality=causality)
         self._insertion: Insertion | None = None
@@ -88,36 +94,33 @@ class HamiltonianForm:
         structure = self._structure
         z, u = structure.imposed.values(), structure.inputs.values()
         T = self._ratios()
-        Tt = _transposed(T)
+        Tt = transposed(T)
         B, B_u = self._rows(structure.integrals, z), self._rows(structure.integrals, u)
         K, L = self._rows(structure.rates, z), self._rows(structure.rates, u)
         Y = self._rows(structure.conjugates, z)
         self._check_integrals()
 
-        imposed = [self._co_energy(name) for name in self._storages]
-        followed = _applied(T, imposed, len(self._dependents))
-        contents = [
-            self._content(name, value)
-            for name, value in zip(self._dependents, followed, strict=True)
-        ]
-        D = _derivatives(contents, self._symbols)
-        D_free = _derivatives(contents, [s.symbol for s in self._free])
-        inverse = _inverse(_product(Tt, D), len(self._storages))
+        imposed = self._co_energies()
+        followed = applied(T, imposed, len(self._dependents))
+        contents = self._contents(followed)
+        D = derivatives(contents, self._symbols)
+        D_free = derivatives(contents, [s.symbol for s in self._free])
+        inverse = inverse_of_one_plus(product(Tt, D), len(self._storages))
 
-        Q = _product(Tt, _product(D_free, B))
-        passing = _combined((1, K), (-1, Q), (1, _transposed(Q)))
-        across = _product(inverse, _transposed(B))
-        drift = _product(_product(inverse, passing), _transposed(inverse))
-        whole = _blocks(drift, across, len(self._storages))
-        self.J, self.R = _skew_and_symmetric(whole)
+        Q = product(Tt, product(D_free, B))
+        passing = combined((1, K), (-1, Q), (1, transposed(Q)))
+        across = product(inverse, transposed(B))
+        drift = product(product(inverse, passing), transposed(inverse))
+        whole = blocks(drift, across, len(self._storages))
+        self.J, self.R = skew_and_symmetric(whole)
 
-        moved = _product(Tt, _product(D_free, B_u))
-        gain = _combined((HALF, L), (HALF, _transposed(Y)), (-1, moved))
-        self.G = _product(inverse, gain)
+        moved = product(Tt, product(D_free, B_u))
+        gain = combined((HALF, L), (HALF, transposed(Y)), (-1, moved))
+        self.G = product(inverse, gain)
         n = len(self._storages)
         self.G.update({(n + i, j): x for (i, j), x in B_u.items()})
-        feedthrough = _combined((HALF, _transposed(Y)), (-HALF, L))
-        self.P = _product(inverse, feedthrough)
+        feedthrough = combined((HALF, transposed(Y)), (-HALF, L))
+        self.P = product(inverse, feedthrough)
         self.D = self._rows(structure.conjugates, u)
 
         self.gradient = (
@@ -125,19 +128,15 @@ class HamiltonianForm:
                 sympy.Add(own, moved)
                 for own, moved in zip(
                     imposed,
-                    _applied(_transposed(D), followed, len(imposed)),
+                    applied(transposed(D), followed, len(imposed)),
                     strict=True,
                 )
             ),
-            *_applied(_transposed(D_free), followed, len(self._free)),
+            *applied(transposed(D_free), followed, len(self._free)),
         )
-        self.H = self._energy(contents, followed)
+        self.H = self._energy(imposed, contents, followed)
         self.input_values = self._input_values()
-        self.dissipation = {
-            node.name: self._coefficients[_coefficient_symbol(node.name)]
-            for node in self._graph.nodes
-            if isinstance(node, Resistance)
-        }
+        self.dissipation = self._dissipation()
 
     def _in_states(self, value: sympy.Expr, name: str) -> sympy.Expr:
         """Return a modulation in terms of states, inputs and parameters."""
@@ -177,8 +176,8 @@ class HamiltonianForm:
             moved = {s for ratio in ratios for s in ratio.free_symbols} & outside
             if others & set(row) or moved:
                 raise NoForm(
-                    f"{letter(self._nodes[name])} {name!r} is dependent and follows "
-                    f"more than the states: an input, time, or another rate."
+                    f"The storage {name!r} is dependent and follows more than the "
+                    f"states: an input, time, or another rate."
                 )
         self._check_power(T)
         return T
@@ -191,7 +190,7 @@ class HamiltonianForm:
             for name in self._dependents
         ]
         back = self._rows(structure.rates, columns)
-        if _combined((1, back), (1, _transposed(T))):
+        if combined((1, back), (1, transposed(T))):
             raise NoForm(
                 f"A dependent storage ({', '.join(self._dependents)}) is joined to the "
                 f"others through a resistance."
@@ -206,39 +205,61 @@ class HamiltonianForm:
                     f"state of an energy."
                 )
 
-    def _co_energy(self, name: str) -> sympy.Expr:
-        """Return the flow of an I (effort of a C) as a function of its state."""
-        node = self._nodes[name]
-        assert isinstance(node, Inertance | Compliance)
-        stored, co = _variables(node)
-        law = self._laws.explicit(node, co)
-        assert law is not None, f"{name} was refused before"
-        symbol = self._symbols[self._storages.index(name)]
-        return law.xreplace({stored: symbol})
+    def _co_energies(self) -> list[sympy.Expr]:
+        """Return the flow of each I (effort of each C) as a function of the states."""
+        held = dict(zip(self._storages, self._symbols, strict=True))
+        return [
+            law.xreplace({x: held[place] for x, place in reads.items()})
+            for law, reads in map(self._law_of_co, self._storages)
+        ]
 
-    def _content(self, name: str, co_energy: sympy.Expr) -> sympy.Expr:
-        """Return what a dependent storage holds as a function of the states."""
-        node = self._nodes[name]
-        assert isinstance(node, Inertance | Compliance)
-        stored, co = _variables(node)
-        law = self._laws.explicit(node, stored)
-        assert law is not None, f"{name} was refused before"
-        return law.xreplace({co: co_energy})
+    def _law_of_co(self, name: str) -> tuple[sympy.Expr, Mapping[sympy.Symbol, str]]:
+        return port_law(self._graph, self._laws, name, wants_stored=False)
+
+    def _contents(self, followed: list[sympy.Expr]) -> list[sympy.Expr]:
+        """Return what each dependent storage holds as a function of the states."""
+        given = dict(zip(self._dependents, followed, strict=True))
+        found = []
+        for name in self._dependents:
+            law, reads = port_law(self._graph, self._laws, name, wants_stored=True)
+            found.append(law.xreplace({x: given[place] for x, place in reads.items()}))
+        return found
 
     def _energy(
-        self, contents: list[sympy.Expr], followed: list[sympy.Expr]
+        self,
+        imposed: list[sympy.Expr],
+        contents: list[sympy.Expr],
+        followed: list[sympy.Expr],
     ) -> sympy.Expr:
-        terms = []
         names = [*self._storages, *self._dependents]
-        held = [*self._symbols, *contents]
-        given = [*map(self._co_energy, self._storages), *followed]
-        for name, content, co_energy in zip(names, held, given, strict=True):
-            node = self._nodes[name]
-            assert isinstance(node, Inertance | Compliance)
-            function = energy_function(node, self._laws)
-            value = content if function.reads_stored else co_energy
-            terms.append(function.expression.xreplace({function.variables[0]: value}))
+        held = dict(zip(names, [*self._symbols, *contents], strict=True))
+        given = dict(zip(names, [*imposed, *followed], strict=True))
+        terms = []
+        for node in self._graph.nodes:
+            if isinstance(node, Storage | StorageField):
+                function = energy_function(node, self._laws)
+                values = held if function.reads_stored else given
+                places = {x: values[port_place(node, x)] for x in function.variables}
+                terms.append(function.expression.xreplace(places))
         return sympy.Add(*terms)
+
+    def _dissipation(self) -> dict[str, sympy.Basic]:
+        """Return what must not be negative: a coefficient, or a field's matrix."""
+        found: dict[str, sympy.Basic] = {}
+        for node in self._graph.nodes:
+            if isinstance(node, Resistance):
+                found[node.name] = self._coefficients[coefficient_symbol(node.name)]
+            elif isinstance(node, ResistanceField):
+                size = range(1, node.size + 1)
+                matrix = sympy.ImmutableMatrix(
+                    [[self._entry(node.name, i, j) for j in size] for i in size]
+                )
+                found[node.name] = (matrix + matrix.T) / 2
+        return found
+
+    def _entry(self, name: str, i: int, j: int) -> sympy.Expr:
+        symbol = coefficient_symbol(f"{name}[{i},{j}]")
+        return self._coefficients.get(symbol, sympy.S.Zero)
 
     def _input_values(self) -> dict[str, sympy.Expr]:
         return {
@@ -246,109 +267,3 @@ class HamiltonianForm:
             for node in self._graph.nodes
             if isinstance(node, EffortSource | FlowSource) and node.value is not None
         }
-
-
-HALF = sympy.Rational(1, 2)
-
-
-def _coefficient_symbol(name: str) -> sympy.Symbol:
-    return signals.parameter_symbol(f"k~{name}")
-
-
-def _variables(
-    node: Inertance | Compliance,
-) -> tuple[sympy.Symbol, sympy.Symbol]:
-    if isinstance(node, Inertance):
-        return signals.p, signals.f
-    return signals.q, signals.e
-
-
-def _transposed(matrix: Sparse) -> Sparse:
-    return {(j, i): x for (i, j), x in matrix.items()}
-
-
-def _product(left: Sparse, right: Sparse) -> Sparse:
-    """Return the product of two matrices, entries in lowest terms."""
-    rows: dict[int, list[tuple[int, sympy.Expr]]] = {}
-    for (i, j), x in right.items():
-        rows.setdefault(i, []).append((j, x))
-    terms: dict[tuple[int, int], list[sympy.Expr]] = {}
-    for (i, k), x in left.items():
-        for j, y in rows.get(k, ()):
-            terms.setdefault((i, j), []).append(x * y)
-    return _lowest(terms)
-
-
-def _combined(*parts: tuple[object, Sparse]) -> Sparse:
-    """Return the sum of factor times matrix over `parts`."""
-    terms: dict[tuple[int, int], list[sympy.Expr]] = {}
-    for factor, matrix in parts:
-        for key, x in matrix.items():
-            terms.setdefault(key, []).append(factor * x)
-    return _lowest(terms)
-
-
-def _lowest(terms: Mapping[tuple[int, int], list[sympy.Expr]]) -> Sparse:
-    found = {}
-    for key, parts in terms.items():
-        total = sympy.Add(*parts)
-        if total.is_Add or total.has(sympy.Add):
-            total = in_lowest_terms(parts)
-        if total != 0:
-            found[key] = total
-    return found
-
-
-def _applied(matrix: Sparse, column: list[sympy.Expr], size: int) -> list[sympy.Expr]:
-    terms: list[list[sympy.Expr]] = [[] for _ in range(size)]
-    for (i, j), x in matrix.items():
-        terms[i].append(x * column[j])
-    return [sympy.Add(*parts) for parts in terms]
-
-
-def _derivatives(expressions: list[sympy.Expr], symbols: list[sympy.Symbol]) -> Sparse:
-    place = {symbol: j for j, symbol in enumerate(symbols)}
-    return {
-        (i, place[s]): expression.diff(s)
-        for i, expression in enumerate(expressions)
-        for s in sorted(expression.free_symbols, key=str)
-        if s in place
-    }
-
-
-def _inverse(added: Sparse, size: int) -> Sparse:
-    """Return the inverse of the unit matrix plus `added`."""
-    unknowns = [sympy.Dummy() for _ in range(size)]
-    keys = [sympy.Dummy() for _ in range(size)]
-    place = {key: j for j, key in enumerate(keys)}
-    rows: list[Row] = [{unknown: ONE} for unknown in unknowns]
-    for (i, j), x in added.items():
-        rows[i][unknowns[j]] = rows[i].get(unknowns[j], ZERO) + x
-    answer = solved(rows, unknowns, [{key: ONE} for key in keys])
-    return {
-        (i, place[key]): x
-        for i, unknown in enumerate(unknowns)
-        for key, x in answer[unknown].items()
-    }
-
-
-def _blocks(drift: Sparse, across: Sparse, size: int) -> Sparse:
-    """Return ``[[drift, -across], [acrossᵀ, 0]]``."""
-    whole = dict(drift)
-    for (i, j), x in across.items():
-        whole[i, size + j] = -x
-        whole[size + j, i] = x
-    return whole
-
-
-def _skew_and_symmetric(matrix: Sparse) -> tuple[Sparse, Sparse]:
-    """Return J and R with ``matrix = J - R``, each the mirror image of itself."""
-    upper = {key: x for key, x in matrix.items() if key[0] < key[1]}
-    lower = {(j, i): x for (i, j), x in matrix.items() if i > j}
-    skew = _combined((HALF, upper), (-HALF, lower))
-    symmetric = _combined((-HALF, upper), (-HALF, lower))
-    diagonal = {key: -x for key, x in matrix.items() if key[0] == key[1]}
-    return (
-        {**skew, **{(j, i): -x for (i, j), x in skew.items()}},
-        {**diagonal, **symmetric, **_transposed(symmetric)},
-    )

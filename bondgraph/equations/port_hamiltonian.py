@@ -5,7 +5,7 @@ J is skew and passes power on, R is symmetric and dissipates, H is the energy, a
 directly. How the matrices are found: `bondgraph.equations.hamiltonian_form`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import TypeAlias
@@ -16,14 +16,18 @@ from bondgraph.causality.assignment import assign_causality
 from bondgraph.causality.records import CausalAssignment
 from bondgraph.equations.derivation import derive
 from bondgraph.equations.energy import is_power_domain
-from bondgraph.equations.hamiltonian_form import HamiltonianForm, NoForm, Sparse
+from bondgraph.equations.hamiltonian_form import HamiltonianForm, NoForm
 from bondgraph.equations.inversion import Laws
+from bondgraph.equations.port_laws import port_law
 from bondgraph.equations.rendering import SHORT
+from bondgraph.equations.sparse_matrices import Sparse
 from bondgraph.equations.stored_energy import energy_function
-from bondgraph.structure import signals
-from bondgraph.structure.elements import Compliance, Inertance, Resistance, letter
+from bondgraph.errors import EquationError
+from bondgraph.structure.elements import Node, Resistance, Storage, letter
+from bondgraph.structure.fields import ResistanceField, StorageField
 from bondgraph.structure.graph import FinishedGraph, used_parameters
 from bondgraph.structure.parameters import Parameter
+from bondgraph.structure.relations import Relation
 from bondgraph.structure.signals import parameter_symbol
 
 Matrix: TypeAlias = sympy.ImmutableSparseMatrix
@@ -53,8 +57,8 @@ class PortHamiltonian:
     left_out
         States of the model that only measurements read; they store no energy.
     dissipation
-        The coefficient of each resistance; R is positive semidefinite where they all
-        are at least zero.
+        The coefficient of each resistance (the symmetric matrix of a field); R is
+        positive semidefinite where they all are.
     not_shown
         The resistances for which that does not follow from the parameters' values.
     """
@@ -73,7 +77,7 @@ class PortHamiltonian:
     D: Matrix = field(default_factory=lambda: Matrix(0, 0, []))
     input_values: Mapping[str, sympy.Expr] = field(default_factory=dict)
     left_out: tuple[str, ...] = ()
-    dissipation: Mapping[str, sympy.Expr] = field(default_factory=dict)
+    dissipation: Mapping[str, sympy.Basic] = field(default_factory=dict)
     not_shown: tuple[str, ...] = ()
 
     @property
@@ -219,14 +223,17 @@ def _record(
     )
 
 
-def _is_nonnegative(coefficient: sympy.Expr, graph: FinishedGraph) -> bool:
+def _is_nonnegative(coefficient: sympy.Basic, graph: FinishedGraph) -> bool:
     """Return whether the parameters' values and bounds show that it is never < 0."""
     known = {
         parameter_symbol(name): sympy.Dummy(nonnegative=True)
         for name, parameter in graph.parameters.items()
         if _never_negative(parameter)
     }
-    return bool(coefficient.xreplace(known).is_nonnegative)
+    signed = coefficient.xreplace(known)
+    if isinstance(signed, sympy.MatrixBase):
+        return signed.is_positive_semidefinite is True
+    return bool(signed.is_nonnegative)
 
 
 def _never_negative(parameter: Parameter) -> bool:
@@ -251,37 +258,52 @@ def _refusals(graph: FinishedGraph, causality: CausalAssignment) -> list[str]:
     if not causality.integral:
         found.append("No storage is independent: there is no energy as a state.")
     for node in graph.nodes:
-        match node:
-            case Resistance():
-                found += _refused_resistance(node)
-            case Inertance() | Compliance():
-                found += _refused_storage(node, node.name in causality.integral, laws)
+        if isinstance(node, Resistance):
+            found += _refused_resistance(node, [node.relation])
+        elif isinstance(node, ResistanceField):
+            found += _refused_resistance(node, node.relations)
+        elif isinstance(node, Storage | StorageField):
+            found += _refused_storage(node, graph, causality, laws)
     return found
 
 
-def _refused_resistance(node: Resistance) -> list[str]:
-    relation = node.relation
-    slope = relation.expression.diff(relation.argument)
-    at_zero = relation.expression.subs(relation.argument, 0)
-    if relation.argument not in slope.free_symbols and at_zero == 0:
-        return []
-    return [
-        f"R {node.name!r} is not proportional to its own {relation.argument}: "
-        f"{relation.output} = {relation.expression}."
-    ]
+def _refused_resistance(node: Node, relations: Sequence[Relation]) -> list[str]:
+    """Return why a resistance is not proportional to its own flows or efforts."""
+    arguments = [relation.argument for relation in relations]
+    for relation in relations:
+        law = relation.expression
+        slopes = {s for x in arguments for s in law.diff(x).free_symbols}
+        at_zero = law.subs(dict.fromkeys(arguments, 0))
+        if slopes & set(arguments) or at_zero != 0:
+            return [
+                f"R {node.name!r} is not proportional to its own "
+                f"{' and '.join(map(str, arguments))}: {relation.output} = {law}."
+            ]
+    return []
 
 
 def _refused_storage(
-    node: Inertance | Compliance, is_integral: bool, laws: Laws
+    node: Storage | StorageField,
+    graph: FinishedGraph,
+    causality: CausalAssignment,
+    laws: Laws,
 ) -> list[str]:
-    stored, co = (signals.p, signals.f)
-    if isinstance(node, Compliance):
-        stored, co = signals.q, signals.e
-    if laws.explicit(node, co if is_integral else stored) is None:
-        wanted = co if is_integral else stored
-        return [f"The law of {letter(node)} {node.name!r} has no formula for {wanted}."]
+    """Return why the energy of a storage is no function of the states."""
+    places = [node.name]
+    if isinstance(node, StorageField):
+        places = [node.port(i + 1) for i in range(node.size)]
+    integral = [place in causality.integral for place in places]
+    if any(integral) and not all(integral):
+        return [
+            f"Some ports of {letter(node)} {node.name!r} are states and some follow."
+        ]
     if energy_function(node, laws).is_modulated:
         return [
             f"The energy in {letter(node)} {node.name!r} depends on more than a state."
         ]
+    for place, is_state in zip(places, integral, strict=True):
+        try:
+            port_law(graph, laws, place, wants_stored=not is_state)
+        except EquationError as error:
+            return [error.problem]
     return []

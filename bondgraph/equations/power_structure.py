@@ -12,16 +12,17 @@ graph's junction structure as coefficients::
 The coefficients are symbols too; `PowerStructure.coefficients` says what they are.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import sympy
 
-from bondgraph.causality.records import CausalAssignment
+from bondgraph.causality.records import CausalAssignment, CausalStroke
 from bondgraph.equations.chain_rule import Row, propagate, row_of, seeded
 from bondgraph.equations.derivation import derive
 from bondgraph.equations.rational import in_lowest_terms, solved
 from bondgraph.equations.state_equations import State, StateEquations
+from bondgraph.equations.wires import SymbolNames, Wires
 from bondgraph.structure import signals
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.elements import (
@@ -34,7 +35,13 @@ from bondgraph.structure.elements import (
     Resistance,
     Transformer,
 )
-from bondgraph.structure.graph import FinishedGraph, Measurement, used_parameters
+from bondgraph.structure.fields import ResistanceField, StorageField
+from bondgraph.structure.graph import (
+    Bond,
+    FinishedGraph,
+    Measurement,
+    used_parameters,
+)
 from bondgraph.structure.parameters import Parameter, ParameterSet
 from bondgraph.structure.signals import Signal, parameter_symbol
 
@@ -89,7 +96,7 @@ def power_structure(
         If the structure is singular.
     """
     bones = _Bones(graph, causality, integrals)
-    equations = derive(bones.graph, causality=causality)
+    equations = derive(bones.graph, causality=bones.causality)
     rates = {
         name: _own(equations, bones.node(name), _gains(bones.node(name)))
         for name in causality.derivative
@@ -99,25 +106,22 @@ def power_structure(
         zip((s.place for s in equations.states), equations.rates, strict=True)
     )
     signs = {name: (ONE if x.is_Symbol else -ONE) for name, x in rates.items()}
-    signed_rates = {name: next(iter(x.free_symbols)) for name, x in rates.items() if x}
+    symbols = {name: next(iter(x.free_symbols)) for name, x in rates.items() if x != 0}
+
+    def conjugate(name: str) -> Row:
+        node = bones.node(name)
+        return rows.of(_own(equations, node, _sets(node)))
+
     return PowerStructure(
         imposed=bones.imposed,
-        dependent_rates=signed_rates,
+        dependent_rates=symbols,
         inputs={u.name: u for u in equations.inputs},
         rates={
-            name: _with_signs(rows.of(by_place[name]), signed_rates, signs)
+            name: _with_signs(rows.of(by_place[bones.node(name).name]), symbols, signs)
             for name in causality.integral
         },
-        dependents={
-            name: rows.of(_own(equations, bones.node(name), _sets(bones.node(name))))
-            for name in causality.derivative
-        },
-        conjugates={
-            u.name: rows.of(
-                _own(equations, bones.node(u.name), _sets(bones.node(u.name)))
-            )
-            for u in equations.inputs
-        },
+        dependents={name: conjugate(name) for name in causality.derivative},
+        conjugates={u.name: conjugate(u.name) for u in equations.inputs},
         integrals={
             state.symbol.name: rows.of(output.expression)
             for state, output in zip(integrals, equations.outputs, strict=True)
@@ -150,7 +154,11 @@ def _sets(node: Node) -> Quantity:
 
 
 class _Bones:
-    """The graph with a symbol in place of every law."""
+    """The graph with a symbol in place of every law.
+
+    A field of storages falls apart into one-ports: what its ports have in common is
+    their law alone. ``node`` finds them under the names ``field[1]`` that they had.
+    """
 
     def __init__(
         self,
@@ -161,58 +169,128 @@ class _Bones:
         self.imposed: dict[str, sympy.Symbol] = {}
         self.coefficients: dict[sympy.Symbol, sympy.Expr] = {}
         self._integral = set(causality.integral)
-        nodes = tuple(self._bare(node) for node in graph.nodes)
+        self._whole = graph
+        self._nodes: dict[str, Node] = {}
+        self._field_end: dict[tuple[str, str], str] = {}
+        for node in graph.nodes:
+            if isinstance(node, StorageField):
+                self._take_apart(node)
+            else:
+                self._nodes[node.name] = self._bare(node)
+        bonds = tuple(map(self._joined, graph.bonds))
+        names = {
+            old.name: new.name for old, new in zip(graph.bonds, bonds, strict=True)
+        }
         probes = tuple(
-            Measurement(s.symbol.name, _integrand(graph, s), "1") for s in integrals
+            Measurement(s.symbol.name, _integrand(graph, s, names), "1")
+            for s in integrals
         )
+        nodes = tuple(self._nodes.values())
         used = used_parameters(nodes, probes)
         self.graph = replace(
             graph,
             nodes=nodes,
+            bonds=bonds,
             measurements=probes,
             parameters=ParameterSet(tuple(Parameter(name=name) for name in used)),
+            preferences=(),
         )
-        self._nodes = {node.name: node for node in nodes}
+        self.causality = self._renamed(causality, bonds)
 
     def node(self, name: str) -> Node:
         return self._nodes[name]
 
+    def _take_apart(self, field: StorageField) -> None:
+        bonds = self._whole.bonds_at(field.name)
+        for i, (bond, stored) in enumerate(zip(bonds, field.stored, strict=True)):
+            port = field.port(i + 1)
+            kind = Inertance if stored.letter == "p" else Compliance
+            name = f"{field.name}__{i + 1}"
+            while self._whole.has_place(name):
+                name += "_"
+            self._field_end[bond.name, field.name] = name
+            self._nodes[port] = kind(name, self._storage_law(port, kind is Inertance))
+
+    def _joined(self, bond: Bond) -> Bond:
+        ends = (self._field_end.get((bond.name, x), x) for x in (bond.tail, bond.head))
+        return Bond(*ends)
+
+    def _renamed(
+        self, causality: CausalAssignment, bonds: tuple[Bond, ...]
+    ) -> CausalAssignment:
+        strokes = tuple(
+            CausalStroke(bond, bond.tail if s.at == s.bond.tail else bond.head)
+            for s, bond in zip(causality.strokes, bonds, strict=True)
+        )
+        return replace(
+            causality,
+            strokes=strokes,
+            integral=tuple(self._nodes[name].name for name in causality.integral),
+            derivative=tuple(self._nodes[name].name for name in causality.derivative),
+            steps=(),
+        )
+
     def _bare(self, node: Node) -> Node:
         match node:
             case Inertance() | Compliance():
-                return replace(node, law=self._storage_law(node))
+                law = self._storage_law(node.name, isinstance(node, Inertance))
+                return replace(node, law=law)
             case Resistance():
                 relation = node.relation
                 slope = relation.expression.diff(relation.argument)
                 law = self._coefficient(node.name, slope) * relation.argument
                 return replace(node, law=law)
+            case ResistanceField():
+                return replace(node, laws=tuple(self._field_laws(node)))
             case Transformer() | Gyrator():
                 return replace(node, law=self._coefficient(node.name, node.modulus))
             case EffortSource() | FlowSource():
                 return replace(node, value=None)
         return node
 
-    def _storage_law(self, node: Inertance | Compliance) -> sympy.Expr:
-        if node.name in self._integral:
-            symbol = parameter_symbol(f"z~{node.name}")
-            self.imposed[node.name] = symbol
+    def _storage_law(self, name: str, is_inertance: bool) -> sympy.Expr:
+        if name in self._integral:
+            symbol = parameter_symbol(f"z~{name}")
+            self.imposed[name] = symbol
             return symbol
-        return signals.f if isinstance(node, Inertance) else signals.e
+        return signals.f if is_inertance else signals.e
+
+    def _field_laws(self, field: ResistanceField) -> Iterator[sympy.Expr]:
+        arguments = [relation.argument for relation in field.relations]
+        for i, relation in enumerate(field.relations):
+            slopes = [relation.expression.diff(x) for x in arguments]
+            yield sympy.Add(
+                *(
+                    self._coefficient(f"{field.name}[{i + 1},{j + 1}]", slope) * x
+                    for j, (slope, x) in enumerate(zip(slopes, arguments, strict=True))
+                    if slope != 0 or i == j
+                )
+            )
 
     def _coefficient(self, name: str, value: sympy.Expr) -> sympy.Symbol:
-        symbol = parameter_symbol(f"k~{name}")
+        symbol = coefficient_symbol(name)
         self.coefficients[symbol] = value
         return symbol
 
 
-def _integrand(graph: FinishedGraph, state: State) -> Signal:
-    """Return the flow (effort) whose integral `state` is."""
+def coefficient_symbol(name: str) -> sympy.Symbol:
+    """Return the symbol in place of the coefficient of a resistance or two-port."""
+    return parameter_symbol(f"k~{name}")
+
+
+def _integrand(graph: FinishedGraph, state: State, names: dict[str, str]) -> Signal:
+    """Return the flow (effort) whose integral `state` is.
+
+    ``names`` gives what the bonds of the graph are called where it is read.
+    """
     is_momentum = state.symbol.name.startswith("p_")
     quantity = Quantity.EFFORT if is_momentum else Quantity.FLOW
-    places = {f"{bond.tail}_{bond.head}": bond.name for bond in graph.bonds}
-    here = state.place
-    known = here in graph.by_name or here not in places
-    return Signal(quantity, here if known else places[here])
+    wires = Wires(graph, SymbolNames())
+    found = wires.effort if is_momentum else wires.flow
+    label = [wires.label[wire] for wire in found]
+    if state.place in graph.by_name:
+        return Signal(quantity, state.place)
+    return Signal(quantity, names[graph.bonds[label.index(state.place)].name])
 
 
 class _Rows:
