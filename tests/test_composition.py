@@ -26,6 +26,7 @@ from bondgraph import (
     q,
 )
 from bondgraph.errors import EquationError, ParameterError, StructureError, UnitError
+from bondgraph.structure.elements import OneJunction
 from bondgraph.structure.graph import CausalPreference, Wanted
 
 
@@ -308,3 +309,30 @@ def test_a_nonlinear_storage_held_by_an_input_follows_its_rate(law: sympy.Expr) 
     assert float(equations.signal("flow", "c").xreplace(known)) == pytest.approx(0.3)
     for residual in equations.residuals:
         assert float(residual.xreplace(known)) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_bonds_may_be_drawn_one_by_one_in_any_direction() -> None:
+    drawn = BondGraph("rc")
+    drawn.add(OneJunction("loop"), Se("u"), R("r"), C("c"))
+    drawn.bond("u", "loop")
+    drawn.bond("r", "loop")  # out of the R: signs change, the physics does not
+    drawn.bond("loop", "c")
+    drawn.measure("v", effort="c")
+    usual = BondGraph("rc")
+    usual.one("loop", Se("u"), R("r"), C("c"))
+    usual.measure("v", effort="c")
+    one, other = (
+        linearise(derive(g.finish())).transfer_function() for g in (drawn, usual)
+    )
+    assert agree(one.expression, other.expression)
+
+
+def test_elements_may_be_bonded_without_a_junction() -> None:
+    graph = BondGraph("tower", domain="hydraulic")
+    graph.add(C("tank"), TF("ram"), R("brake"))
+    graph.bond("tank", "ram")
+    graph.bond("ram", "brake", domain="translation")
+    # p = q/C drives F = K p; v = F/R; q' = -K v.
+    system = linearise(derive(graph.finish()))
+    ram, brake, tank = sympy.symbols("ram brake tank", real=True)
+    assert agree(system.A[0, 0], -(ram**2) / (brake * tank))

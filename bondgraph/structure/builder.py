@@ -19,6 +19,7 @@ from bondgraph.structure.elements import (
     EffortSource,
     FlowSource,
     Gyrator,
+    Junction,
     Node,
     OneJunction,
     OnePort,
@@ -152,6 +153,32 @@ class BondGraph:
                     (tail,),
                     'Write join("a", "b") or join("a", TF("K"), "b").',
                 )
+
+    def add(self, *nodes: Node, domain: str | None = None) -> None:
+        """Add junctions and elements without bonds, to be connected by `bond`."""
+        own = self._domain if domain is None else domain_named(domain)
+        for node in nodes:
+            self._nodes.append(node)
+            if isinstance(node, Junction):
+                self._junction_domains[node.name] = own
+
+    def bond(self, tail: str, head: str, domain: str | None = None) -> None:
+        """Draw one bond between any two nodes, power positive from `tail` to `head`.
+
+        ``put`` and ``join`` read better; this draws what they cannot, such as a half
+        arrow out of an R or a bond between two elements.
+
+        Parameters
+        ----------
+        domain
+            Of a bond that touches no junction; the graph's own if not given.
+        """
+        if domain is not None:
+            own = domain_named(domain)
+        else:
+            ends = (self._junction_domains.get(end) for end in (tail, head))
+            own = next((found for found in ends if found), self._domain)
+        self._bonds.append((Bond(tail, head), own))
 
     def _domain_of(self, junction: str) -> EnergyDomain:
         try:
