@@ -16,7 +16,7 @@ from scipy.sparse import coo_array, csr_array
 
 from bondgraph.errors import EquationError, did_you_mean
 from bondgraph.numeric.implicit.factor import Factor, Order, order_for
-from bondgraph.numeric.implicit.matrices import solve_at
+from bondgraph.numeric.implicit.points import solve_at
 from bondgraph.numeric.implicit.system import ImplicitSystem, implicit_system
 from bondgraph.simulation.solvers import Hold, Sdirk2, Solver
 from bondgraph.simulation.sparse_energy import EnergyAudit, EnergyMeter
@@ -251,10 +251,8 @@ class _Run:
         """Return the factors of the derivative of `_left`."""
         n = self.system.n_powers
         z = np.concatenate([w, known + step * (self.rate_of @ w)])
-        jacobian = self.system.jacobian(z, t)
+        jacobian = self.system.jacobian(z, t, capped=True)
         matrix = csr_array(jacobian[:, :n] + step * (jacobian[:, n:] @ self.rate_of))
-        if not np.all(np.isfinite(matrix.data)):
-            raise _NotConvergedError
         if self.order is None:
             self.order = order_for(matrix)
         self.factorisations += 1

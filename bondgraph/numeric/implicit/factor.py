@@ -49,7 +49,7 @@ class Order:
             raise EquationError(
                 f"The sparse system is singular ({error}).",
                 (),
-                "Make a sparse_state_space of the graph: it names what is open.",
+                "Make an implicit_state_space of the graph: it names what is open.",
             ) from None
 
 

@@ -18,6 +18,9 @@ from bondgraph.structure import signals
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+HAIR = 1e-10
+"""How far beside a point a kink is looked for, against one plus its size."""
+
 
 @dataclass(frozen=True, slots=True)
 class Read:
@@ -53,9 +56,6 @@ class LawGroup:
     function
         Takes reads, constants and t; gives the values, a partial per read and the
         partial to t.
-    jumps
-        Takes the same; gives pairs of what vanishes where the law jumps, and half the
-        height of the jump.
     """
 
     expression: sympy.Expr
@@ -65,7 +65,6 @@ class LawGroup:
     constants: Array
     linear: bool
     function: Callable[..., Sequence[Any]]
-    jumps: Callable[..., Sequence[Any]] | None = None
 
     def evaluate(self, z: Array, t: float) -> tuple[Array, Array, Array]:
         """Return the values, partials ``[read, member]`` and partials to t."""
@@ -77,14 +76,28 @@ class LawGroup:
             found[k] = result
         return found[0], self.signs * found[1:-1], found[-1]
 
-    def at_jump(self, z: Array, t: float) -> NDArray[np.bool_]:
-        """Return which members stand exactly where their law jumps."""
-        found = np.zeros(len(self.rows), bool)
-        if self.jumps is not None:
-            reads = self.signs * z[self.columns]
-            for position, height in self.jumps(*reads, *self.constants, t):
-                found |= (np.asarray(position) == 0.0) & (np.asarray(height) != 0.0)
-        return found
+    def at_kink(self, z: Array, t: float) -> NDArray[np.bool_]:
+        """Return which members stand where their law jumps or changes its slope.
+
+        Values and slopes are compared a hair before and after the point; a law that is
+        smooth there differs by next to nothing.
+        """
+        if self.linear:
+            return np.zeros(len(self.rows), bool)
+        step = np.zeros_like(z)
+        used = np.unique(self.columns)
+        directions = 1.0 + 0.3 * np.sin(1.0 + np.arange(len(used)))
+        step[used] = HAIR * (1.0 + np.abs(z[used])) * directions
+        value, slopes, _ = self.evaluate(z, t)
+        kinked = np.zeros(len(self.rows), bool)
+        for there in (z - step, z + step):
+            other, tilted, _ = self.evaluate(there, t)
+            steep = np.maximum(np.abs(slopes), np.abs(tilted)).max(axis=0, initial=0.0)
+            apart = np.abs(tilted - slopes).max(axis=0, initial=0.0)
+            way = step[self.columns].max(axis=0, initial=0.0)
+            jump = np.abs(other - value) - 10.0 * len(self.columns) * way * steep
+            kinked |= (apart > 1e-3 * steep) | (jump > 1e-6 * np.abs(other))
+        return kinked
 
 
 @dataclass(slots=True)
@@ -108,11 +121,6 @@ class _Members:
         reads = self.arguments[: self.n_reads]
         arguments = [*self.arguments, signals.t]
         slopes = [self.expression.diff(x) for x in (*reads, signals.t)]
-        jumps = [
-            sympy.Tuple(delta.args[0], slope.coeff(delta))
-            for slope in slopes
-            for delta in slope.atoms(sympy.DiracDelta)
-        ]
         partials = [_flat(slope) for slope in slopes]
         varying = {*reads, signals.t}
         return LawGroup(
@@ -121,9 +129,8 @@ class _Members:
             by_argument(self.columns, np.int64),
             by_argument(self.signs, float),
             by_argument(self.constants, float),
-            all(varying.isdisjoint(x.free_symbols) for x in partials[:-1]),
+            all(varying.isdisjoint(x.free_symbols) for x in slopes[:-1]),
             _compiled(arguments, [self.expression, *partials]),
-            _compiled(arguments, jumps) if jumps else None,
         )
 
 

@@ -11,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from bondgraph.errors import EquationError, did_you_mean
-from bondgraph.numeric.implicit.reduction import Reduction, combined, reduced
+from bondgraph.numeric.implicit.curvature import with_curvature
+from bondgraph.numeric.implicit.points import solve_at
+from bondgraph.numeric.implicit.reduction import combined
+from bondgraph.numeric.implicit.refusals import refuse_kink
 from bondgraph.numeric.implicit.system import ImplicitSystem, implicit_system
 from bondgraph.structure.graph import FinishedGraph
 
@@ -20,7 +22,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SparseStateSpace:
+class ImplicitStateSpace:
     """``ẋ = A x + B u + B_rate u̇`` and ``y = C x + D u + D_rate u̇`` in SI units.
 
     The matrices are sparse. ``dependent`` names the stored quantities that are no
@@ -44,18 +46,9 @@ class SparseStateSpace:
     D_rate: csr_array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Point:
-    """Where a model is: all variables, all rates, and the linear forms around it."""
-
-    z: Array
-    rates: Array
-    reduction: Reduction
-
-
-def sparse_state_space(
+def implicit_state_space(
     graph: FinishedGraph, *, at: Mapping[str, float] | None = None
-) -> SparseStateSpace:
+) -> ImplicitStateSpace:
     """Return the sparse linear system of `graph` at its parameter values.
 
     Parameters
@@ -73,11 +66,11 @@ def sparse_state_space(
     """
     system = implicit_system(graph)
     point = solve_at(system, at or {})
-    reduction = point.reduction
-    _check_rest(system, point)
-    _check_jumps(system, point.z, (at or {}).get("t", 0.0))
+    t = (at or {}).get("t", 0.0)
+    _check_smooth(system, point.z, t)
+    reduction = with_curvature(system, point, t)
     n, m = system.n_states, len(system.input_names)
-    reading = system.output_jacobian(point.z, (at or {}).get("t", 0.0))
+    reading = system.output_jacobian(point.z, t)
     outputs = csr_array(
         combined(csr_array(reading[:, : system.n_powers]), reduction.powers)
         + combined(csr_array(reading[:, system.n_powers :]), reduction.stored)
@@ -85,7 +78,7 @@ def sparse_state_space(
     independent = reduction.independent
     rates = csr_array(reduction.rates[independent])
     set_by_others = np.setdiff1d(np.arange(n), independent)
-    return SparseStateSpace(
+    return ImplicitStateSpace(
         name=system.name,
         states=tuple(system.state_names[i] for i in independent),
         inputs=system.input_names,
@@ -103,117 +96,10 @@ def sparse_state_space(
     )
 
 
-def solve_at(
-    system: ImplicitSystem,
-    at: Mapping[str, float],
-    *,
-    input_rates: Mapping[str, float] | None = None,
-    iterations: int = 60,
-) -> Point:
-    """Return all variables and rates where the states, inputs and ``t`` are `at`.
-
-    Each step of Newton's method solves the rows linearised at the last one, so
-    dependent stored quantities and the derivatives of what binds them are found on the
-    way, also where a modulus moves.
-
-    Raises
-    ------
-    EquationError
-        If the equations have no solution there, or a law no derivative.
-    """
-    known = {*system.state_names, *system.input_names, "t"}
-    for name in at:
-        if name not in known:
-            raise EquationError(
-                f"{system.name!r} has no state or input {name!r}.",
-                (name,),
-                did_you_mean(name, known),
-            )
-    n = system.n_powers
-    t = at.get("t", 0.0)
-    x = np.array([at.get(name, 0.0) for name in system.state_names])
-    u = np.array([at.get(name, 0.0) for name in system.input_names])
-    du = np.array([(input_rates or {}).get(name, 0.0) for name in system.input_names])
-    z = np.concatenate([np.zeros(n) if system.linear else np.full(n, 0.1), x])
-    for _ in range(iterations):
-        jacobian = system.jacobian(z, t)
-        time = system.time_partial(z, t)
-        residual = system.residual(z, u, t)
-        affine = jacobian @ z - (residual + system.inputs @ u)
-        _check_finite(system, jacobian, affine)
-        reduction = reduced(system, jacobian, time, affine)
-        y = np.concatenate([z[n:], u, [0.0], du, [1.0, 1.0]])
-        y[: len(x)][reduction.independent] = x[reduction.independent]
-        new = np.concatenate([reduction.powers @ y, reduction.stored @ y])
-        change = np.abs(new - z)
-        step = 1.0
-        if not system.linear:
-            step = _step(system, z, new - z, u, t)
-        z = z + step * (new - z)
-        if system.linear or np.all(change <= 1e-12 * (1.0 + np.abs(new))):
-            return Point(z=new, rates=reduction.rates @ y, reduction=reduction)
-    raise EquationError(
-        f"The equations of {system.name!r} have no solution there that Newton's "
-        f"method finds in {iterations} steps.",
-        (system.name,),
-        "Give an operating point that the machine can have.",
-    )
-
-
-def _step(system: ImplicitSystem, z: Array, change: Array, u: Array, t: float) -> float:
-    """Return how much of a Newton step to take: all, unless that makes it worse."""
-    before = np.linalg.norm(system.residual(z, u, t))
-    step = 1.0
-    while step > 1e-3:
-        left = system.residual(z + step * change, u, t)
-        size = np.linalg.norm(left)
-        if np.isfinite(size) and size <= np.maximum(before, 1e-9):
-            return step
-        step /= 2.0
-    return step
-
-
-def _check_finite(system: ImplicitSystem, jacobian: csr_array, affine: Array) -> None:
-    bad = np.flatnonzero(~np.isfinite(affine))
-    rows = jacobian.tocoo().coords[0][~np.isfinite(jacobian.data)]
-    _refuse_kink(system, np.union1d(bad, rows))
-
-
-def _check_jumps(system: ImplicitSystem, z: Array, t: float) -> None:
-    bad = [group.rows[group.at_jump(z, t)] for group in system.laws]
-    if bad:
-        _refuse_kink(system, np.concatenate(bad))
-
-
-def _refuse_kink(system: ImplicitSystem, rows: NDArray[np.int64]) -> None:
-    if len(rows):
-        nodes = system.places.graph.nodes
-        names = tuple(nodes[i].name for i in np.unique(system.owners[rows]))
-        raise EquationError(
-            f"The law of {', '.join(names[:6])} has no derivative at this point.",
-            names,
-            "Choose a point away from the kink or pole of the law.",
-        )
-
-
-def _check_rest(system: ImplicitSystem, point: Point) -> None:
-    """Refuse what would need second derivatives of a law that moves.
-
-    A constraint is differentiated once to reach the rates; its linear form around a
-    moving point contains the law's second derivative, times a rate.
-    """
-    if np.abs(point.rates).max(initial=0.0) < 1e-9:
-        return
-    bound = point.reduction.differentiated
+def _check_smooth(system: ImplicitSystem, z: Array, t: float) -> None:
+    bad = [np.zeros(0, np.int64)]
     for group in system.laws:
-        if not group.linear and np.isin(group.rows, bound).any():
-            nodes = system.places.graph.nodes
-            rows = group.rows[np.isin(group.rows, bound)]
-            names = tuple(nodes[i].name for i in np.unique(system.owners[rows]))
-            raise EquationError(
-                f"The nonlinear law of {', '.join(names[:6])} binds dependent storages "
-                f"that move at this point, so that its linear form needs second "
-                f"derivatives.",
-                names,
-                "Linearise where the machine rests, or use linearise(derive(graph)).",
-            )
+        partials = group.evaluate(z, t)[1]
+        undefined = ~np.isfinite(partials).all(axis=0)
+        bad.append(group.rows[undefined | group.at_kink(z, t)])
+    refuse_kink(system, np.concatenate(bad))

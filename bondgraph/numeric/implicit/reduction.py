@@ -1,12 +1,12 @@
 """Every effort and flow, and every rate, from independent states and inputs.
 
 The linear rows ``G w = R y`` are solved for the efforts and flows w, where y stacks
-(x, u, t, u̇, ṫ, 1). Where rows are left over, they bind stored quantities to each other
-and to inputs: the last of them in the author's order become dependent, and what binds
-them is differentiated, which gives the missing rows for w, because ẋ is read from w.
-That is repeated until G is square, whatever the index. A block that is singular at the
-given numbers (a ring of unit gain) has its dependent rows replaced by what they leave,
-so that structure always tells the truth.
+(x, v, v̇, 1) with v the inputs and the time. Where rows are left over, they bind stored
+quantities to each other and to inputs: as few as they bind become dependent, and what
+binds them is differentiated, which gives the missing rows for w, because ẋ is read from
+w. That is repeated until G is square, whatever the index. A block that is singular at
+the given numbers (a ring of unit gain) has its dependent rows replaced by what they
+leave, so that structure always tells the truth.
 """
 
 from dataclasses import dataclass
@@ -25,6 +25,7 @@ from scipy.sparse.csgraph import breadth_first_order
 
 from bondgraph.numeric.implicit.blocks import Dependency, matched, solve
 from bondgraph.numeric.implicit.constraints import resolved
+from bondgraph.numeric.implicit.preference import dependent_first
 from bondgraph.numeric.implicit.refusals import (
     refuse_conflict,
     refuse_input_rate,
@@ -61,16 +62,16 @@ class Reduction:
 
 
 def reduced(
-    system: ImplicitSystem, jacobian: csr_array, time: Array, affine: Array
+    system: ImplicitSystem, jacobian: csr_array, drives: csr_array, affine: Array
 ) -> Reduction:
-    """Return the solution of ``jacobian (w, x) + time t = inputs u + affine``.
+    """Return the solution of ``jacobian (w, x) = drives v + affine``.
 
     Raises
     ------
     EquationError
         If the rows contradict each other or leave something open; names the elements.
     """
-    work = _Work(system, jacobian, time, affine)
+    work = _Work(system, jacobian, drives, affine)
     while not work.solved():
         pass
     return work.answer()
@@ -90,27 +91,21 @@ class _Work:
     """The rows while they are being reduced."""
 
     def __init__(
-        self, system: ImplicitSystem, jacobian: csr_array, time: Array, affine: Array
+        self,
+        system: ImplicitSystem,
+        jacobian: csr_array,
+        drives: csr_array,
+        affine: Array,
     ) -> None:
         self.system = system
         n = system.n_powers
-        n_inputs = len(system.input_names)
         n_rows = jacobian.shape[0]
         self.G = csr_array(jacobian[:, :n])
-        self.R = block_array(
-            [
-                [
-                    -jacobian[:, n:],
-                    system.inputs,
-                    csr_array(-time[:, None]),
-                    csr_array((n_rows, n_inputs + 1)),
-                    csr_array(affine[:, None]),
-                ]
-            ],
-            format="csr",
-        )
+        rates = csr_array(drives.shape)
+        known = [-jacobian[:, n:], drives, rates, csr_array(affine[:, None])]
+        self.R = block_array([known], format="csr")
         self.first_input = system.n_states
-        self.first_rate = self.first_input + n_inputs + 1
+        self.first_rate = self.first_input + drives.shape[1]
         self.size = self.R.shape[1]
         self.stored = csr_array(eye_array(system.n_states, self.size))
         self.rate_of = coo_array(
@@ -124,6 +119,7 @@ class _Work:
         self.origin = np.arange(n_rows)
         self.dependent = np.zeros(system.n_states, bool)
         self.differentiated: list[Index] = []
+        self.order: Index | None = None
         self.powers: csr_array | None = None
 
     def solved(self) -> bool:
@@ -234,9 +230,9 @@ class _Work:
 
     def _preference(self) -> Index:
         """Return the stored quantities, those first that may become dependent first."""
-        n, storages = self.system.n_states, self.system.n_storages
-        order = np.concatenate([np.arange(storages)[::-1], np.arange(storages, n)])
-        found: Index = order[~self.dependent[order]]
+        if self.order is None:
+            self.order = dependent_first(self.system)
+        found: Index = self.order[~self.dependent[self.order]]
         return found
 
     def _substitute(self, dependent: Index, following: csr_array) -> None:

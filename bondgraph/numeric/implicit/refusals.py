@@ -60,6 +60,19 @@ def refuse_input_rate(system: ImplicitSystem, owners: Index) -> NoReturn:
     )
 
 
+def refuse_kink(system: ImplicitSystem, rows: Index) -> None:
+    """Refuse a point where the laws of these rows, if any, have no slope."""
+    if len(rows):
+        nodes = system.places.graph.nodes
+        names = tuple(nodes[i].name for i in np.unique(system.owners[rows]))
+        raise EquationError(
+            f"The law of {', '.join(names[:6])} has no value or no "
+            f"derivative at this point.",
+            names,
+            "Choose a point away from the kink or pole of the law.",
+        )
+
+
 def _named(words: list[str]) -> str:
     more = len(words) - MOST_NAMED
     return ", ".join(words[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")

@@ -23,6 +23,9 @@ from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
 
+STEEP = 1e12
+"""What an infinite slope is capped to."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ImplicitSystem:
@@ -99,9 +102,13 @@ class ImplicitSystem:
             left[group.rows] -= group.evaluate(z, t)[0]
         return left
 
-    def jacobian(self, z: Array, t: float = 0.0) -> csr_array:
-        """Return the exact derivative of the residual to z."""
-        return _with_partials(self.constant, self.laws, z, t, -1.0)
+    def jacobian(self, z: Array, t: float = 0.0, *, capped: bool = False) -> csr_array:
+        """Return the exact derivative of the residual to z.
+
+        Capped, a slope is never infinite or undefined: good enough to step towards a
+        solution from the edge of a law, such as a root at zero.
+        """
+        return _with_partials(self.constant, self.laws, z, t, -1.0, capped=capped)
 
     def time_partial(self, z: Array, t: float = 0.0) -> Array:
         """Return the exact derivative of the residual to t."""
@@ -123,13 +130,21 @@ class ImplicitSystem:
 
 
 def _with_partials(
-    constant: csr_array, laws: tuple[LawGroup, ...], z: Array, t: float, factor: float
+    constant: csr_array,
+    laws: tuple[LawGroup, ...],
+    z: Array,
+    t: float,
+    factor: float,
+    *,
+    capped: bool = False,
 ) -> csr_array:
     if not laws:
         return constant
     rows, columns, values = [], [], []
     for group in laws:
         partials = group.evaluate(z, t)[1]
+        if capped:
+            partials = np.nan_to_num(partials, nan=0.0, posinf=STEEP, neginf=-STEEP)
         rows.append(np.broadcast_to(group.rows, partials.shape).ravel())
         columns.append(group.columns.ravel())
         values.append(factor * partials.ravel())
