@@ -4,7 +4,7 @@ from operator import attrgetter
 
 import pytest
 import sympy
-from catalogue import CASES, Case, random_graph, somewhere
+from catalogue import CASES, FIELDS, Case, random_graph, somewhere
 from catalogue.comparison import check_answers, compare_with_raw
 from catalogue.raw_equations import Raw
 
@@ -16,7 +16,7 @@ from bondgraph.errors import (
     StructureError,
 )
 
-every_case = pytest.mark.parametrize("case", CASES, ids=attrgetter("name"))
+every_case = pytest.mark.parametrize("case", CASES + FIELDS, ids=attrgetter("name"))
 
 
 def test_there_are_many_cases_and_each_says_where_it_is_from() -> None:

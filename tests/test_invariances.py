@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy
-from catalogue import CASES, Case, somewhere
+from catalogue import CASES, FIELDS, Case, somewhere
 from catalogue.evaluation import evaluated, leaves, number, observed
 from scipy.integrate import quad
 
@@ -31,7 +31,8 @@ from bondgraph.structure.signals import (
     t,
 )
 
-every_case = pytest.mark.parametrize("case", CASES, ids=attrgetter("name"))
+EVERY = CASES + FIELDS
+every_case = pytest.mark.parametrize("case", EVERY, ids=attrgetter("name"))
 Symbols = Mapping[sympy.Symbol, sympy.Symbol]
 
 
@@ -174,12 +175,13 @@ def test_order_does_not_matter(case: Case) -> None:
     # a field's ports and a two-port's sides are numbered by their bonds.
     junctions = list(graph.junctions)
     draw.shuffle(junctions)
-    others = [n for n in graph.elements if not isinstance(n, _STORING)]
+    stores = (*_STORING, *_FIELDS)
+    others = [n for n in graph.elements if not isinstance(n, stores)]
     draw.shuffle(others)
     nodes = (
         *others,
         *junctions,
-        *(n for n in graph.elements if isinstance(n, _STORING)),
+        *(n for n in graph.elements if isinstance(n, stores)),
     )
     order = sorted(range(len(graph.bonds)), key=lambda _: draw.random())
     order = _with_ports_in_order(graph, order)
@@ -195,6 +197,7 @@ def test_order_does_not_matter(case: Case) -> None:
 
 
 _STORING = (kinds.Inertance, kinds.Compliance)
+_FIELDS = (fields.InertanceField, fields.ComplianceField, fields.MixedField)
 
 
 def _with_ports_in_order(graph: FinishedGraph, order: list[int]) -> list[int]:
@@ -283,7 +286,7 @@ def _plain(case: Case) -> bool:
 
 
 @pytest.mark.parametrize(
-    "case", [c for c in CASES if _plain(c)], ids=attrgetter("name")
+    "case", [c for c in EVERY if _plain(c)], ids=attrgetter("name")
 )
 def test_other_units_give_the_same_physics(case: Case) -> None:
     # Efforts in another unit, flows in another, time in another: if every term of
@@ -331,7 +334,7 @@ def test_other_units_give_the_same_physics(case: Case) -> None:
 
 
 @pytest.mark.parametrize(
-    "case", [c for c in CASES if _plain(c)], ids=attrgetter("name")
+    "case", [c for c in EVERY if _plain(c)], ids=attrgetter("name")
 )
 @pytest.mark.parametrize("domain", ["translation", "electrical", "hydraulic"])
 def test_twins_in_other_domains_have_the_same_equations(
@@ -370,12 +373,12 @@ def _stores_alone(case: Case) -> bool:
 
 
 def test_most_cases_have_storages_with_an_energy_of_their_own() -> None:
-    others = [case.name for case in CASES if not _stores_alone(case)]
+    others = [case.name for case in EVERY if not _stores_alone(case)]
     assert others == ["electromagnet_by_modulation", "spring_pendulum"]
 
 
 @pytest.mark.parametrize(
-    "case", [c for c in CASES if _stores_alone(c)], ids=attrgetter("name")
+    "case", [c for c in EVERY if _stores_alone(c)], ids=attrgetter("name")
 )
 def test_what_sources_give_is_stored_or_dissipated(case: Case) -> None:
     graph = case.graph()

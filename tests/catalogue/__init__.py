@@ -16,10 +16,12 @@ from catalogue import (  # noqa: F401  (imported for the cases they add)
     thermal,
 )
 from catalogue.cases import CASES, Case, adder, agree, case, expression, somewhere
+from catalogue.fields import FIELDS
 from catalogue.random_graphs import random_graph
 
 __all__ = [
     "CASES",
+    "FIELDS",
     "Case",
     "adder",
     "agree",
