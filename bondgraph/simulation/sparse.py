@@ -233,12 +233,13 @@ class _Run:
             now = t + node * h
             u = start + slope * ((now - origin) / whole)
             known = x.copy()
-            for weight, rate in zip(self.weights[i], rates, strict=False):
-                known += h * weight * rate
+            for weight, earlier in zip(self.weights[i], rates, strict=False):
+                known += h * weight * earlier
             step = h * self.weights[i, i]
             w = self._solve(z[:n], known, step, u, now)
-            rates.append(self.rate_of @ w)
-            z = np.concatenate([w, known + step * rates[-1]])
+            rate: Array = self.rate_of @ w
+            rates.append(rate)
+            z = np.concatenate([w, known + step * rate])
             self.meter.add(z, h * self.weights[-1, i])
         return z
 

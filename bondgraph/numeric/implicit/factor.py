@@ -6,6 +6,7 @@ than the order that minimises fill. Elsewhere the latter is taken.
 """
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,7 @@ class Order:
 
     rows: Index
     columns: Index
-    method: str
+    method: Literal["NATURAL", "COLAMD"]
 
     def factorised(self, matrix: csr_array) -> "Factor":
         """Return the factors of a matrix with this order's pattern.

@@ -79,24 +79,26 @@ class LawGroup:
     def at_kink(self, z: Array, t: float) -> NDArray[np.bool_]:
         """Return which members stand where their law jumps or changes its slope.
 
-        Values and slopes are compared a hair before and after the point; a law that is
-        smooth there differs by next to nothing.
+        Values and slopes are compared with those a hair beside the point: where the law
+        is smooth they differ a hundred times more at a hundred hairs, at a jump or kink
+        they differ as much at one.
         """
+        kinked = np.zeros(len(self.rows), bool)
         if self.linear:
-            return np.zeros(len(self.rows), bool)
+            return kinked
         step = np.zeros_like(z)
         used = np.unique(self.columns)
         directions = 1.0 + 0.3 * np.sin(1.0 + np.arange(len(used)))
         step[used] = HAIR * (1.0 + np.abs(z[used])) * directions
-        value, slopes, _ = self.evaluate(z, t)
-        kinked = np.zeros(len(self.rows), bool)
-        for there in (z - step, z + step):
-            other, tilted, _ = self.evaluate(there, t)
-            steep = np.maximum(np.abs(slopes), np.abs(tilted)).max(axis=0, initial=0.0)
-            apart = np.abs(tilted - slopes).max(axis=0, initial=0.0)
-            way = step[self.columns].max(axis=0, initial=0.0)
-            jump = np.abs(other - value) - 10.0 * len(self.columns) * way * steep
-            kinked |= (apart > 1e-3 * steep) | (jump > 1e-6 * np.abs(other))
+        here = np.vstack(self.evaluate(z, t)[:2])
+        for side in (-1.0, 1.0):
+            near, far = (
+                np.vstack(self.evaluate(z + side * hairs * step, t)[:2])
+                for hairs in (1.0, 100.0)
+            )
+            apart = np.abs(near - here)
+            visible = apart > 1e-9 * np.maximum(np.abs(near), np.abs(here))
+            kinked |= (visible & (apart > 0.5 * np.abs(far - here))).any(axis=0)
         return kinked
 
 

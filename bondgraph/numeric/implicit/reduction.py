@@ -225,8 +225,8 @@ class _Work:
         if len(dependent) < len(spare):
             self._refuse(constraint, involved, column)
         self._substitute(dependent, following)
-        self._differentiate(dependent, following, spare)
         self.differentiated.append(self.origin[involved])
+        self._differentiate(dependent, following, spare)
 
     def _preference(self) -> Index:
         """Return the stored quantities, those first that may become dependent first."""
