@@ -7,8 +7,9 @@ import sympy
 from catalogue import CASES, FIELDS, Case, random_graph, somewhere
 from catalogue.comparison import check_answers, compare_with_raw
 from catalogue.raw_equations import Raw
+from catalogue.refusals import REFUSALS, Refusal
 
-from bondgraph import FinishedGraph, derive
+from bondgraph import BondGraph, FinishedGraph, derive
 from bondgraph.errors import (
     BondGraphError,
     CausalConflictError,
@@ -76,3 +77,19 @@ def check_random(seed: int) -> str:
 def test_random_graphs_are_solved_rightly_or_refused(first: int) -> None:
     ends = [check_random(seed) for seed in range(first, first + 20)]
     assert ends.count("solved") >= 2
+
+
+# Refusals -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("case", REFUSALS, ids=attrgetter("name"))
+def test_what_has_no_equations_is_refused_by_name(case: Refusal) -> None:
+    def whole() -> None:
+        graph = BondGraph(case.name)
+        case.write(graph)
+        derive(graph.finish())
+
+    with pytest.raises(case.error) as caught:
+        whole()
+    assert all(name in str(caught.value) for name in case.names), caught.value
+    assert caught.value.remedy
