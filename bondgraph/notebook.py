@@ -4,10 +4,12 @@ The records know nothing of pictures, which are made on a higher floor; so a not
 told here how to show them.
 """
 
+from html import escape
 from typing import Any
 
 from bondgraph.causality.assignment import assign_causality
 from bondgraph.diagnosis.records import Diagnosis
+from bondgraph.errors import CausalConflictError
 from bondgraph.reporting.notebooks import diagnosis_html, graph_html
 from bondgraph.structure.builder import BondGraph
 from bondgraph.structure.graph import FinishedGraph
@@ -28,5 +30,9 @@ def load_ipython_extension(shell: Any) -> None:
 
 
 def _graph(graph: FinishedGraph) -> str:
-    strokes = {s.bond.name: s.at for s in assign_causality(graph).strokes}
-    return graph_html(graph, assignment=strokes)
+    """Return the picture; without strokes, and why, where causality conflicts."""
+    try:
+        assignment = assign_causality(graph)
+    except CausalConflictError as conflict:
+        return f"{graph_html(graph)}<p>{escape(str(conflict))}</p>"
+    return graph_html(graph, assignment=assignment)

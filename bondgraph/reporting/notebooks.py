@@ -8,6 +8,7 @@ Styles of a picture begin with ``.bondgraph`` and those of an answer with
 from collections.abc import Mapping
 from html import escape
 
+from bondgraph.causality.records import CausalAssignment
 from bondgraph.diagnosis.records import Diagnosis
 from bondgraph.diagnosis.wording import name_of
 from bondgraph.reporting.drawing import draw_svg
@@ -28,10 +29,20 @@ _STYLE = """<style>
 
 
 def graph_html(
-    graph: FinishedGraph, *, assignment: Mapping[str, str] | None = None
+    graph: FinishedGraph,
+    *,
+    assignment: CausalAssignment | Mapping[str, str] | None = None,
 ) -> str:
-    """Return the picture of a graph for a notebook; see `draw_svg`."""
-    picture = draw_svg(graph, assignment=assignment)
+    """Return the picture of a graph for a notebook, with its signals; see `draw_svg`.
+
+    Parameters
+    ----------
+    graph
+        The graph.
+    assignment
+        The causality to show, if any.
+    """
+    picture = draw_svg(graph, assignment=assignment, signals=True)
     return f'{_STYLE}<div class="bondgraph-scroll">{picture}</div>'
 
 

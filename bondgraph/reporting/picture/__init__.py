@@ -1,0 +1,1 @@
+"""The picture of a bond graph: what is drawn where the layout put it."""
