@@ -23,16 +23,22 @@ import sympy
 from bondgraph.causality.records import CausalAssignment
 from bondgraph.equations.chain_rule import Row
 from bondgraph.equations.derivation import derive
-from bondgraph.equations.insertion import Insertion, signal_values
+from bondgraph.equations.insertion import (
+    Insertion,
+    in_terms_of_states,
+    signal_values,
+)
 from bondgraph.equations.inversion import Laws
 from bondgraph.equations.port_laws import port_law, port_place
 from bondgraph.equations.power_structure import coefficient_symbol, power_structure
+from bondgraph.equations.rational import in_lowest_terms
 from bondgraph.equations.sparse_matrices import (
     HALF,
     Sparse,
     applied,
-    blocks,
+    bordered,
     combined,
+    congruent,
     derivatives,
     inverse_of_one_plus,
     product,
@@ -72,6 +78,10 @@ class HamiltonianForm:
         self._laws = Laws(graph)
         self._equations = derive(graph, causality=causality)
         self._insertion: Insertion | None = None
+        self._solvable = {
+            *self._equations.unknowns,
+            *(s.rate for s in self._equations.states),
+        }
         symbols = {s.place: s.symbol for s in self._equations.states}
         self._symbols = [symbols[name] for name in causality.integral]
         self._free = [
@@ -87,7 +97,7 @@ class HamiltonianForm:
         self.states = tuple(
             s.name for s in (*self._symbols, *(s.symbol for s in self._free))
         )
-        self.inputs = tuple(self._structure.inputs)
+        self.inputs = tuple(map(self._input_name, self._structure.inputs))
         self._assemble()
 
     def _assemble(self) -> None:
@@ -108,17 +118,20 @@ class HamiltonianForm:
         inverse = inverse_of_one_plus(product(Tt, D), len(self._storages))
 
         Q = product(Tt, product(D_free, B))
-        passing = combined((1, K), (-1, Q), (1, transposed(Q)))
-        across = product(inverse, transposed(B))
-        drift = product(product(inverse, passing), transposed(inverse))
-        whole = blocks(drift, across, len(self._storages))
-        self.J, self.R = skew_and_symmetric(whole)
+        skew, self.R = skew_and_symmetric(K)
+        passing = combined((1, skew), (-1, Q), (1, transposed(Q)))
+        size = len(self._storages)
+        self.J = bordered(
+            congruent(inverse, passing, -1),
+            product(inverse, transposed(B)),
+            size,
+        )
+        self.R = congruent(inverse, self.R, 1)
 
         moved = product(Tt, product(D_free, B_u))
         gain = combined((HALF, L), (HALF, transposed(Y)), (-1, moved))
         self.G = product(inverse, gain)
-        n = len(self._storages)
-        self.G.update({(n + i, j): x for (i, j), x in B_u.items()})
+        self.G.update({(size + i, j): x for (i, j), x in B_u.items()})
         feedthrough = combined((HALF, transposed(Y)), (-HALF, L))
         self.P = product(inverse, feedthrough)
         self.D = self._rows(structure.conjugates, u)
@@ -143,10 +156,12 @@ class HamiltonianForm:
         read = signals_in(value)
         if not read:
             return value
-        if self._insertion is None:
-            self._insertion = Insertion(self._equations)
         what = signal_values(self._graph, self._equations, read)
-        found = self._insertion(value.xreplace(what))
+        found = in_terms_of_states(value.xreplace(what), self._equations)
+        if found.free_symbols & self._solvable:
+            if self._insertion is None:
+                self._insertion = Insertion(self._equations)
+            found = self._insertion(found)
         equations = self._equations
         if found.free_symbols & {*equations.unknowns, *equations.input_rates}:
             raise NoForm(
@@ -179,22 +194,25 @@ class HamiltonianForm:
                     f"The storage {name!r} is dependent and follows more than the "
                     f"states: an input, time, or another rate."
                 )
-        self._check_power(T)
+        self._check_power()
         return T
 
-    def _check_power(self, T: Sparse) -> None:
-        """Refuse where dependent storages act back otherwise than they follow."""
+    def _check_power(self) -> None:
+        """Refuse where dependent storages act back otherwise than they follow.
+
+        Compared are the coefficients' symbols, so that equal is exactly equal.
+        """
         structure = self._structure
-        columns = [
-            structure.dependent_rates.get(name, sympy.Dummy())
-            for name in self._dependents
-        ]
-        back = self._rows(structure.rates, columns)
-        if combined((1, back), (1, transposed(T))):
-            raise NoForm(
-                f"A dependent storage ({', '.join(self._dependents)}) is joined to the "
-                f"others through a resistance."
-            )
+        for name, row in structure.dependents.items():
+            back = structure.dependent_rates.get(name)
+            for storage, imposed in structure.imposed.items():
+                parts = [row.get(imposed), structure.rates[storage].get(back)]
+                found = [x for x in parts if x is not None]
+                if found and in_lowest_terms(found) != 0:
+                    raise NoForm(
+                        f"The dependent storage {name!r} is joined to {storage!r} "
+                        f"through a resistance."
+                    )
 
     def _check_integrals(self) -> None:
         rates = set(self._structure.dependent_rates.values())
@@ -261,9 +279,16 @@ class HamiltonianForm:
         symbol = coefficient_symbol(f"{name}[{i},{j}]")
         return self._coefficients.get(symbol, sympy.S.Zero)
 
+    def _input_name(self, source: str) -> str:
+        """Return the name of a source's port: no parameter has it."""
+        name = source
+        while name in self._graph.parameters:
+            name += "_"
+        return name
+
     def _input_values(self) -> dict[str, sympy.Expr]:
         return {
-            node.name: self._in_states(node.value, node.name)
+            self._input_name(node.name): self._in_states(node.value, node.name)
             for node in self._graph.nodes
             if isinstance(node, EffortSource | FlowSource) and node.value is not None
         }

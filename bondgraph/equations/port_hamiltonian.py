@@ -101,6 +101,8 @@ class PortHamiltonian:
     @property
     def outputs(self) -> tuple[sympy.Expr, ...]:
         """The flows (efforts) of the sources, ``(G + P)ᵀ ∇H + D u``."""
+        if not self.inputs:
+            return ()
         u = sympy.Matrix([parameter_symbol(name) for name in self.inputs])
         gradient = sympy.Matrix(self.gradient)
         return tuple((self.G + self.P).T * gradient + self.D * u)

@@ -1,4 +1,8 @@
-"""Sparse matrices ``{(row, column): entry}`` of expressions in lowest terms."""
+"""Sparse matrices ``{(row, column): entry}`` of expressions.
+
+Short entries are in lowest terms; long ones stay as they arise, because nobody reads
+them and bringing them to lowest terms may take longer than everything else.
+"""
 
 from collections.abc import Mapping
 
@@ -9,6 +13,8 @@ from bondgraph.equations.rational import in_lowest_terms, solved
 
 Sparse = dict[tuple[int, int], sympy.Expr]
 ZERO, ONE, HALF = sympy.S.Zero, sympy.S.One, sympy.Rational(1, 2)
+
+READABLE = 60  # operations up to which an entry is brought to lowest terms
 
 
 def transposed(matrix: Sparse) -> Sparse:
@@ -41,7 +47,8 @@ def _lowest(terms: Mapping[tuple[int, int], list[sympy.Expr]]) -> Sparse:
     found = {}
     for key, parts in terms.items():
         total = sympy.Add(*parts)
-        if total.is_Add or total.has(sympy.Add):
+        sums = total.is_Add or total.has(sympy.Add)
+        if sums and total.count_ops() <= READABLE:
             total = in_lowest_terms(parts)
         if total != 0:
             found[key] = total
@@ -83,9 +90,22 @@ def inverse_of_one_plus(added: Sparse, size: int) -> Sparse:
     }
 
 
-def blocks(drift: Sparse, across: Sparse, size: int) -> Sparse:
-    """Return ``[[drift, -across], [acrossᵀ, 0]]``."""
-    whole = dict(drift)
+def congruent(outer: Sparse, inner: Sparse, sign: int) -> Sparse:
+    """Return ``outer · inner · outerᵀ`` for a symmetric (1) or skew (-1) inner matrix.
+
+    One half is computed; the other is its mirror image, so that nothing has to cancel.
+    """
+    half = product(outer, inner)
+    whole = product(half, transposed(outer))
+    upper = {key: x for key, x in whole.items() if key[0] < key[1]}
+    diagonal = {key: x for key, x in whole.items() if key[0] == key[1] and sign > 0}
+    mirrored = {(j, i): sign * x for (i, j), x in upper.items()}
+    return {**upper, **diagonal, **mirrored}
+
+
+def bordered(skew: Sparse, across: Sparse, size: int) -> Sparse:
+    """Return the skew matrix ``[[skew, -across], [acrossᵀ, 0]]``."""
+    whole = dict(skew)
     for (i, j), x in across.items():
         whole[i, size + j] = -x
         whole[size + j, i] = x

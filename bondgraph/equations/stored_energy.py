@@ -27,6 +27,7 @@ GOLDEN = 0.6180339887498949
 TINY = 1e-9
 
 _INFINITE = (sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
+_KINKED = (sympy.Abs, sympy.sign, sympy.Max, sympy.Min, sympy.Piecewise)
 _along = sympy.Dummy("s", positive=True)
 
 
@@ -84,10 +85,15 @@ def energy_function(element: Storage | StorageField, laws: Laws) -> EnergyFuncti
     if element.law is None:  # the common case, without integrating anything
         linear = stored**2 / (2 * parameter_symbol(element.name))
         return EnergyFunction((stored,), linear, EnergyForm.CLOSED, True)
-    law = laws.smooth(element, co)
-    if law is not None:
-        return energy_of_laws([Relation(co, stored, law)], gives_co=True)
-    return energy_of_laws([element.relation], gives_co=False)
+    relation = element.relation
+    if relation.output == co:
+        return energy_of_laws([relation], gives_co=True)
+    function = energy_of_laws([relation], gives_co=False)
+    turned = laws.smooth(element, co)
+    if turned is None or relation.expression.subs(co, 0) != 0:
+        return function
+    expression = sympy.expand_mul(function.expression.xreplace({co: turned}))
+    return EnergyFunction((stored,), expression, function.form, True)
 
 
 def energy_of_laws(relations: Sequence[Relation], *, gives_co: bool) -> EnergyFunction:
@@ -130,9 +136,10 @@ def _line_integral(
         for x, law in zip(variables, laws, strict=True)
         for term in sympy.Add.make_args(law.xreplace(point))
     ]
-    found = _closed(terms, _along, sympy.S.Zero, sympy.S.One)
-    if _is_gradient(laws, found, variables):
-        return found, EnergyForm.CLOSED
+    if len(laws) > 1 or laws[0].has(*_KINKED):  # along the line a kink is none
+        found = _closed(terms, _along, sympy.S.Zero, sympy.S.One)
+        if _is_gradient(laws, found, variables):
+            return found, EnergyForm.CLOSED
     return sympy.Integral(sympy.Add(*terms), (_along, 0, 1)), EnergyForm.INTEGRAL
 
 
