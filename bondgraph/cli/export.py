@@ -1,87 +1,60 @@
 """``bondgraph export``: the model in the words of other programs."""
 
-import json
 from collections.abc import Callable
+from pathlib import Path
 
 import click
 
 from bondgraph.cli.inputs import model_argument, read_model
 from bondgraph.cli.session import STDOUT, Session, json_option
-from bondgraph.equations.derivation import derive
-from bondgraph.equations.rendering import as_latex
-from bondgraph.numeric.state_space import StateSpace, state_space
-from bondgraph.reporting.model_text import to_python
-from bondgraph.structure.graph import FinishedGraph
+from bondgraph.reporting.export.exporting import (
+    C99,
+    ExportedFile,
+    Json,
+    Latex,
+    Matlab,
+    Modelica,
+    PythonControl,
+    PythonFunctions,
+    PythonModel,
+    Target,
+    export,
+)
 
-
-def _latex(graph: FinishedGraph) -> str:
-    return as_latex(derive(graph)) + "\n"
-
-
-def _python_control(graph: FinishedGraph) -> str:
-    """Return a Python text that makes the linear system with its signal names."""
-    system = state_space(graph)
-    return (
-        "import control\n\n"
-        "system = control.ss(\n"
-        + "".join(f"    {m.tolist()!r},\n" for m in _matrices(system))
-        + f"    states={list(system.states)!r},\n"
-        + f"    inputs={list(system.inputs)!r},\n"
-        + f"    outputs={list(system.outputs)!r},\n"
-        # python-control allows no dots in names
-        + f"    name={system.name.replace('.', '_')!r},\n"
-        + ")\n"
-    )
-
-
-def _json(graph: FinishedGraph) -> str:
-    """Return the numbers of the linear system with names and units."""
-    system = state_space(graph)
-    plain = {
-        "schema": 1,
-        "model": system.name,
-        "states": list(system.states),
-        "inputs": list(system.inputs),
-        "outputs": list(system.outputs),
-        "units": {
-            "states": list(system.state_units),
-            "inputs": list(system.input_units),
-            "outputs": list(system.output_units),
-        },
-    }
-    letters = dict(zip("ABCD", _matrices(system), strict=True))
-    matrices = {letter: matrix.tolist() for letter, matrix in letters.items()}
-    return json.dumps({**plain, **matrices}, indent=2, ensure_ascii=False) + "\n"
-
-
-def _matrices(system: StateSpace):  # type: ignore[no-untyped-def]
-    return (system.A, system.B, system.C, system.D)
-
-
-_WRITERS: dict[str, Callable[[FinishedGraph], str]] = {
-    "latex": _latex,
-    "python": to_python,
-    "python-control": _python_control,
-    "json": _json,
+_TARGETS: dict[str, Callable[[str | None], Target]] = {
+    "c": C99,
+    "matlab": Matlab,
+    "modelica": Modelica,
+    "latex": lambda _: Latex(),
+    "control": PythonControl,
+    "numpy": PythonFunctions,
+    "python": lambda _: PythonModel(),
+    "json": lambda _: Json(),
 }
+_FORMERLY = {"python-control": "control"}
 
 
-@click.command("export")
+@click.command(
+    "export",
+    epilog="Example: bondgraph export leg.py:flight --to c -o leg.c writes leg.c and "
+    "leg.h.",
+)
 @model_argument
 @click.option(
     "--to",
     "form",
-    type=click.Choice(list(_WRITERS)),
+    type=click.Choice([*_TARGETS, *_FORMERLY]),
     required=True,
-    help="LaTeX of the equations; Python text of the graph; the linear system at the "
-    "model's parameter values for python-control or as JSON.",
+    help="c, matlab (Octave too), modelica: a program that simulates the model there; "
+    "control, numpy: Python text for python-control or SciPy; latex: the equations; "
+    "python: the graph itself; json: the linear system.",
 )
 @click.option(
     "-o",
     "--output",
     default=STDOUT,
     metavar="FILE",
-    help="Where to write it; stdout otherwise.",
+    help="Where to write it, which also names it there; stdout otherwise.",
 )
 @json_option
 @click.pass_obj
@@ -99,9 +72,30 @@ def command(
     if json_file == STDOUT == output:
         raise click.UsageError("The text and the JSON cannot both go to stdout.")
     graph = read_model(model, values)
-    text = _WRITERS[form](graph)
-    session.write(output, text)
+    name = None if output == STDOUT else Path(output).stem
+    files = export(graph, _TARGETS[_FORMERLY.get(form, form)](name))
+    if output == STDOUT:
+        session.write(STDOUT, _together(files))
+    else:
+        first, *others = files
+        session.write(output, first.text)
+        for file in others:
+            session.write(Path(output).with_name(file.name), file.text)
     session.deliver(
         json_file,
-        {"schema": 1, "model": graph.name, "form": form, "text": text},
+        {
+            "schema": 1,
+            "model": graph.name,
+            "form": form,
+            "text": _together(files),
+            "files": {file.name: file.text for file in files},
+        },
     )
+
+
+def _together(files: tuple[ExportedFile, ...]) -> str:
+    """Return all files as one text; a C header takes the place of its inclusion."""
+    text = files[0].text
+    for file in files[1:]:
+        text = text.replace(f'#include "{file.name}"\n', file.text)
+    return text

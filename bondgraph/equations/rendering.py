@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 import sympy
 
+from bondgraph.equations.latex_names import latex
 from bondgraph.equations.reduction import ReducedEquations, reduce
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.errors import EquationError
@@ -104,10 +105,9 @@ def as_latex(equations: StateEquations) -> str:
     EquationError
         If there is nothing to write.
     """
-    names = {
-        state.rate: sympy.Symbol(rf"\dot{{{sympy.latex(state.symbol)}}}")
-        for state in equations.states
-    }
+    symbols = [state.symbol for state in equations.states]
+    rates = dict(zip((s.rate for s in equations.states), symbols, strict=True))
+    rates |= dict(zip(equations.input_rates, equations.inputs, strict=True))
     outputs = [(sympy.Symbol(o.name), o.expression) for o in equations.outputs]
     pairs: list[tuple[sympy.Expr, sympy.Expr]] = []
     if len(equations.states) <= SHORT:
@@ -128,8 +128,5 @@ def as_latex(equations: StateEquations) -> str:
             (equations.name,),
             "Add a measurement with measure(...).",
         )
-    lines = [
-        f"{sympy.latex(left.xreplace(names))} &= {sympy.latex(right.xreplace(names))}"
-        for left, right in pairs
-    ]
+    lines = [f"{latex(left, rates)} &= {latex(right, rates)}" for left, right in pairs]
     return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"

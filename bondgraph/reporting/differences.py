@@ -15,6 +15,7 @@ from bondgraph.structure.elements import (
     ZeroJunction,
     letter,
 )
+from bondgraph.structure.fields import MultiPort
 from bondgraph.structure.graph import Bond, FinishedGraph, Measurement
 from bondgraph.structure.parameters import Parameter
 
@@ -32,6 +33,8 @@ def describe_difference(before: FinishedGraph, after: FinishedGraph) -> tuple[st
     return (
         *_node_changes(before, after),
         *_bond_changes(before, after),
+        *_port_changes(before, after),
+        *_preference_changes(before, after),
         *_measurement_changes(before, after),
         *_parameter_changes(before, after),
     )
@@ -68,6 +71,8 @@ def _kind(node: Node) -> str:
 def _law(node: Node) -> str:
     if isinstance(node, EffortSource | FlowSource):
         return "an input" if node.value is None else str(node.value)
+    if isinstance(node, MultiPort):
+        return str(node.laws)
     law = getattr(node, "law", None)
     return "linear" if law is None else str(law)
 
@@ -90,20 +95,54 @@ def _bond_changes(before: FinishedGraph, after: FinishedGraph) -> Iterator[str]:
     common = set(before.by_name) & set(after.by_name)
     old, new = (
         {
-            frozenset((b.tail, b.head)): b
-            for b in graph.bonds
-            if {b.tail, b.head} <= common
+            bond: domain
+            for bond, domain in zip(graph.bonds, graph.domains, strict=True)
+            if {bond.tail, bond.head} <= common
         }
         for graph in (before, after)
     )
-    for ends, bond in old.items():
-        if ends not in new:
-            yield f"the bond {bond.name} removed"
-        elif new[ends] != bond:
+    turned = {b: Bond(b.head, b.tail) for b in old if b not in new}
+    turned = {b: other for b, other in turned.items() if other in {*new} - {*old}}
+    for bond, domain in old.items():
+        if bond in turned:
             yield f"the half arrow of {bond.name} reversed"
-    for ends, bond in new.items():
-        if ends not in old:
+        elif bond not in new:
+            yield f"the bond {bond.name} removed"
+        elif new[bond] != domain:
+            yield f"the bond {bond.name} is of {new[bond].name}, before {domain.name}"
+    for bond in new:
+        if bond not in old and bond not in turned.values():
             yield f"the bond {bond.name} added"
+
+
+def _port_changes(before: FinishedGraph, after: FinishedGraph) -> Iterator[str]:
+    """Yield fields whose ports are the same bonds in another order."""
+    for node in before.nodes:
+        if not isinstance(node, MultiPort) or node.name not in after.by_name:
+            continue
+        old, new = (
+            [bond.other(node.name) for bond in graph.bonds_at(node.name)]
+            for graph in (before, after)
+        )
+        if old != new and sorted(old) == sorted(new):
+            yield (
+                f"the ports of {node.name} are at {', '.join(new)}, "
+                f"before {', '.join(old)}"
+            )
+
+
+def _preference_changes(before: FinishedGraph, after: FinishedGraph) -> Iterator[str]:
+    old, new = (
+        {p.element: p.wanted.value for p in graph.preferences}
+        for graph in (before, after)
+    )
+    for element in {**old, **new}:
+        if old.get(element) != new.get(element):
+            yield (
+                f"the preferred causality of {element} is "
+                f"{new.get(element, 'left open')}, "
+                f"before {old.get(element, 'left open')}"
+            )
 
 
 def _measurement_changes(before: FinishedGraph, after: FinishedGraph) -> Iterator[str]:

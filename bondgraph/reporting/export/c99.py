@@ -45,7 +45,7 @@ _MATH = (
 _OWN = (
     "t x u p z res jac dx y start status residuals solve factor substitute sign_of"
 ).split()
-_RESERVED = (*_KEYWORDS, *_MATH, *_OWN)
+RESERVED = (*_KEYWORDS, *_MATH, *_OWN)
 
 
 def to_c99(graph: FinishedGraph, *, name: str | None = None) -> tuple[str, str]:
@@ -61,7 +61,7 @@ def to_c99(graph: FinishedGraph, *, name: str | None = None) -> tuple[str, str]:
     EquationError
         If a law has no number form, or more than 100 unknowns are coupled.
     """
-    program = make_program(graph, name=name, reserved=_RESERVED)
+    program = make_program(graph, name=name, reserved=RESERVED)
     unknowns = program.calculation.equations.unknowns
     if len(unknowns) > MOST_UNKNOWNS:
         raise EquationError(

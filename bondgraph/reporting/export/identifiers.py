@@ -54,5 +54,6 @@ def _ascii(character: str) -> str:
         word = described[described.index("LETTER") + 1].lower()
         return word.capitalize() if "CAPITAL" in described else word
     plain = unicodedata.normalize("NFKD", character)
-    kept = "".join(c for c in plain if c.isascii() and (c.isalnum() or c == "_"))
-    return kept or " "
+    if plain == character:
+        return "" if unicodedata.combining(character) else " "
+    return "".join(map(_ascii, plain))

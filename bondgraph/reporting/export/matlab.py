@@ -25,20 +25,22 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-_RESERVED = (
-    # keywords of MATLAB, and those that Octave adds
-    "break case catch classdef continue else elseif end for function global if "
-    "otherwise parfor persistent return spmd switch try while arguments methods "
-    "properties events enumeration do until unwind_protect unwind_protect_cleanup "
-    "end_try_catch end_unwind_protect endfor endfunction endif endwhile endswitch "
-    "endclassdef endenumeration endevents endmethods endproperties endparfor "
-    # what the file calls
-    "sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt abs sign max min "
-    "zeros ones eye all any isfinite isempty nargin error struct numel norm eps pi "
-    "Inf NaN nan inf ans true false ode45 ode15s "
-    "t x u p z res jac dx y model step trial weight size last damping iteration "
-    "next rates outputs residuals unknowns choose size_of"
-).split()
+RESERVED = tuple(
+    (
+        # keywords of MATLAB, and those that Octave adds
+        "break case catch classdef continue else elseif end for function global if "
+        "otherwise parfor persistent return spmd switch try while arguments methods "
+        "properties events enumeration do until unwind_protect unwind_protect_cleanup "
+        "end_try_catch end_unwind_protect endfor endfunction endif endwhile endswitch "
+        "endclassdef endenumeration endevents endmethods endproperties endparfor "
+        # what the file calls
+        "sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt abs sign max min "
+        "zeros ones eye all any isfinite isempty nargin error struct numel norm eps pi "
+        "Inf NaN nan inf ans true false ode45 ode15s "
+        "t x u p z res jac dx y model step trial weight size last damping iteration "
+        "next rates outputs residuals unknowns choose size_of"
+    ).split()
+)
 
 
 def to_matlab(graph: FinishedGraph, *, name: str | None = None) -> str:
@@ -54,7 +56,7 @@ def to_matlab(graph: FinishedGraph, *, name: str | None = None) -> str:
     EquationError
         If a law has no number form.
     """
-    program = make_program(graph, name=name, reserved=_RESERVED)
+    program = make_program(graph, name=name, reserved=RESERVED)
     planned = program.calculation
     lines = [
         f"function model = {program.name}()",

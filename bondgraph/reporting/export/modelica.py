@@ -21,22 +21,26 @@ from bondgraph.reporting.export.program import (
 from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.signals import t as time_symbol
 
-_RESERVED = (
-    "algorithm and annotation assert block break class connect connector constant "
-    "constrainedby der discrete each else elseif elsewhen encapsulated end "
-    "enumeration equation expandable extends external false final flow for function "
-    "if import impure in initial inner input loop model not operator or outer output "
-    "package parameter partial protected public pure record redeclare replaceable "
-    "return stream then true type when while within "
-    # built-in types, functions and variables
-    "Real Integer Boolean String StateSelect AssertionLevel Clock Connections time "
-    "sin cos tan asin acos atan atan2 sinh cosh tanh exp log log10 sqrt abs sign max "
-    "min div mod rem ceil floor integer delay cardinality homotopy semiLinear "
-    "spatialDistribution getInstanceName pre edge change reinit sample terminal "
-    "terminate noEvent smooth inStream actualStream ndims size scalar vector matrix "
-    "transpose outerProduct identity diagonal zeros ones fill linspace sum product "
-    "symmetric cross skew cat promote e t"
-).split()
+RESERVED = tuple(
+    (
+        "algorithm and annotation assert block break class connect connector "
+        "constant constrainedby der discrete each else elseif elsewhen "
+        "encapsulated end enumeration equation expandable extends external "
+        "false final flow for function if import impure in initial inner input "
+        "loop model not operator or outer output package parameter partial "
+        "protected public pure record redeclare replaceable return stream then "
+        "true type when while within "
+        # built-in types, functions and variables
+        "Real Integer Boolean String StateSelect AssertionLevel Clock "
+        "Connections time sin cos tan asin acos atan atan2 sinh cosh tanh exp "
+        "log log10 sqrt abs sign max min div mod rem ceil floor integer delay "
+        "cardinality homotopy semiLinear spatialDistribution getInstanceName "
+        "pre edge change reinit sample terminal terminate noEvent smooth "
+        "inStream actualStream ndims size scalar vector matrix transpose "
+        "outerProduct identity diagonal zeros ones fill linspace sum product "
+        "symmetric cross skew cat promote e t "
+    ).split()
+)
 
 
 def to_modelica(graph: FinishedGraph, *, name: str | None = None) -> str:
@@ -52,7 +56,7 @@ def to_modelica(graph: FinishedGraph, *, name: str | None = None) -> str:
     EquationError
         If a law has no number form.
     """
-    program = make_program(graph, name=name, reserved=_RESERVED)
+    program = make_program(graph, name=name, reserved=RESERVED)
     lines = [
         f"model {program.name} {_quoted(one_line(program.title))}",
         "  // Written by bondgraph from the bond graph of that name; SI units.",

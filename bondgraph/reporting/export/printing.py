@@ -5,8 +5,7 @@ values at the edges: ``sign(0) = 0``, ``Heaviside(0) = 0``. Numbers are written 
 they read back exactly.
 """
 
-from collections.abc import Mapping
-from functools import reduce
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import sympy
@@ -46,6 +45,13 @@ class SourcePrinter(StrPrinter):  # type: ignore[misc]
 
     def _call(self, name: str, *arguments: str) -> str:
         return f"{self.functions.get(name, name)}({', '.join(arguments)})"
+
+    def _folded(self, name: str, texts: Sequence[str]) -> str:
+        """Return calls of a function of two arguments that take in all of `texts`."""
+        first, *rest = texts
+        for other in rest:
+            first = self._call(name, first, other)
+        return first
 
     def _print_Symbol(self, symbol: sympy.Symbol) -> str:
         return self._names[symbol]
@@ -153,12 +159,12 @@ class SourcePrinter(StrPrinter):  # type: ignore[misc]
         return self._call("sign", self._print(call.args[0]))
 
     def _print_Max(self, call: sympy.Basic) -> str:
-        texts = [self._print(a) for a in call.args]
-        return reduce(lambda a, b: self._call("max", a, b), texts)
+        texts = [self._print(a) for a in _sorted(call)]
+        return self._folded("max", texts)
 
     def _print_Min(self, call: sympy.Basic) -> str:
-        texts = [self._print(a) for a in call.args]
-        return reduce(lambda a, b: self._call("min", a, b), texts)
+        texts = [self._print(a) for a in _sorted(call)]
+        return self._folded("min", texts)
 
     def _print_Heaviside(self, call: sympy.Basic) -> str:
         return self.select(f"{self._print(call.args[0])} > 0.0", "1.0", "0.0")
@@ -171,7 +177,7 @@ class SourcePrinter(StrPrinter):  # type: ignore[misc]
                 (str(pieces),),
                 "Close the Piecewise with a case (expression, True).",
             )
-        text = self._print(last)
+        text: str = self._print(last)
         for value, condition in reversed(cases):
             text = self.select(self._print(condition), self._print(value), text)
         return text
@@ -246,8 +252,8 @@ class ModelicaPrinter(SourcePrinter):
         return f"(if {condition} then {one} else {other})"
 
 
-class NumpyPrinter(SourcePrinter):
-    """Python with ``import math``, for scalars."""
+class PythonPrinter(SourcePrinter):
+    """Python with ``import math``, for scalars; numpy only solves."""
 
     functions: ClassVar[Mapping[str, str]] = {
         **{name: f"math.{name}" for name in _SAME_EVERYWHERE},

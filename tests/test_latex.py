@@ -1,0 +1,69 @@
+"""Equations as LaTeX: readable names, and text that a parser of mathematics takes."""
+
+import pytest
+import sympy
+from catalogue import CASES, Case
+
+from bondgraph import BondGraph, C, I, R, Se, as_latex, derive
+from bondgraph.equations.latex_names import latex, latex_name
+from bondgraph.structure.signals import f
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [
+        ("p_I_motor", r"p_{\mathrm{I\,motor}}"),
+        ("K_worm_gear", r"K_{\mathrm{worm\,gear}}"),
+        ("m1", r"m_{1}"),
+        ("m_12", r"m_{12}"),
+        ("p_m1", r"p_{m_{1}}"),
+        ("q_c_", r"q_{c}'"),
+        ("friction", r"\mathrm{friction}"),
+        ("mu_s", r"\mu_{s}"),
+        ("omega2", r"\omega_{2}"),
+        ("θ_1", r"\theta_{1}"),
+        ("Ω", r"\Omega"),
+        ("lambda_2", r"\lambda_{2}"),
+        ("p_body[1]", r"p_{\mathrm{body}[1]}"),
+        ("50%", r"50\%"),
+    ],
+)
+def test_names_read_as_in_a_book(name: str, shown: str) -> None:
+    assert latex_name(name) == shown
+
+
+def test_a_rate_has_a_dot_over_its_letter() -> None:
+    rate, state = sympy.symbols("dp_I_motor p_I_motor")
+    assert latex(rate, {rate: state}) == r"\dot{p}_{\mathrm{I\,motor}}"
+
+
+def parsed(text: str) -> None:
+    """Let matplotlib's parser of TeX mathematics read every line."""
+    mathtext = pytest.importorskip("matplotlib.mathtext")
+    parser = mathtext.MathTextParser("path")
+    head, *lines, tail = text.splitlines()
+    assert (head, tail) == (r"\begin{aligned}", r"\end{aligned}")
+    for line in lines:
+        left, right = line.removesuffix(r"\\").split("&=")
+        for side in (left, right):
+            parser.parse(f"${side.strip()}$")
+
+
+# matplotlib's parser knows no environments, so a Piecewise cannot be shown to it.
+PLAIN = [case for case in CASES if "Piecewise" not in str(derive(case.graph()))]
+
+
+@pytest.mark.parametrize("case", PLAIN, ids=lambda case: case.name)
+def test_every_equation_of_the_catalogue_is_mathematics(case: Case) -> None:
+    equations = derive(case.graph())
+    if equations.states or equations.outputs:
+        parsed(as_latex(equations))
+
+
+def test_hostile_names_are_mathematics_too() -> None:
+    g = BondGraph("hostile")
+    laws = ("a_b_c_", "50% $x$", "#1_{2}^3", "\\end", "θ_ä", "x y", "__", "q''", "~")
+    law = sum(sympy.Symbol(name) for name in laws) * f
+    g.one("while_loop", Se("u_"), R("r", law=law), I("lambda_"), C("c__2"))
+    g.measure("50% of\n\\y_{max}", flow="while_loop")
+    parsed(as_latex(derive(g.finish())))
