@@ -5,21 +5,29 @@ solved for in a field of rational functions. Where an input is differentiated (a
 that sets a storage), ``B_rate`` and ``D_rate`` multiply u̇.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from enum import StrEnum
 
 import sympy
 
-from bondgraph.equations.chain_rule import Row, propagate, row_of, seeded
+from bondgraph.equations.chain_rule import Row
+from bondgraph.equations.closed_form import all_closed_forms, chosen, closed_form
+from bondgraph.equations.descriptor import first_order, matrix, smooth, substituted
 from bondgraph.equations.operating_point import OperatingPoint
-from bondgraph.equations.rational import RationalField, in_lowest_terms, solved
+from bondgraph.equations.pencil import Pencil
+from bondgraph.equations.rational import solved
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.equations.steady_state import SteadyState
-from bondgraph.equations.transfer_function import TransferFunction, s
-from bondgraph.errors import EquationError, did_you_mean
+from bondgraph.equations.transfer_function import TransferFunction
+from bondgraph.equations.transfer_matrix import TransferMatrix
 
-MOST_STATES = 16
+
+class Form(StrEnum):
+    """How a linear system may be written."""
+
+    STATE_SPACE = "state space"
+    DESCRIPTOR = "descriptor"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,7 +35,9 @@ class LinearSystem:
     """``ẋ = A x + B u + B_rate u̇`` and ``y = C x + D u + D_rate u̇``.
 
     ``states``, ``inputs`` and ``outputs`` are the names of the rows and columns. For a
-    nonlinear model x, u and y are deviations from the operating point.
+    nonlinear model x, u and y are deviations from the operating point. ``terms`` counts
+    the terms of all entries, ``descriptor_terms`` those before the unknowns were
+    eliminated.
     """
 
     name: str
@@ -40,6 +50,15 @@ class LinearSystem:
     D: sympy.ImmutableSparseMatrix
     B_rate: sympy.ImmutableSparseMatrix
     D_rate: sympy.ImmutableSparseMatrix
+    terms: int = 0
+    descriptor_terms: int = 0
+
+    @property
+    def sparser(self) -> Form:
+        """The form that says the same in fewer terms; see `descriptor`."""
+        if self.descriptor_terms < self.terms:
+            return Form.DESCRIPTOR
+        return Form.STATE_SPACE
 
     def transfer_function(
         self,
@@ -53,30 +72,49 @@ class LinearSystem:
         Raises
         ------
         EquationError
-            If there is no such signal, or too many states for a closed form.
+            If there is no such signal, or the closed form has too many terms.
         """
-        row = _chosen(output, self.outputs, "output", self.name)
-        column = _chosen(input, self.inputs, "input", self.name)
-        between = self._between(row, column)
-        if len(between) > MOST_STATES:
-            raise EquationError(
-                f"{len(between)} states lie between {self.inputs[column]!r} and "
-                f"{self.outputs[row]!r}; a closed form of more than {MOST_STATES} is "
-                f"unreadable.",
-                (self.name,),
-                "Put numbers in: make a StateSpace of the model.",
-            )
-        A = [[self.A[i, j] for j in between] for i in between]
-        B = [self.B[i, column] for i in between]
-        B_rate = [self.B_rate[i, column] for i in between]
-        C = [self.C[row, i] for i in between]
-        direct = (self.D[row, column], self.D_rate[row, column])
-        numerator, denominator = _polynomials(A, B, B_rate, C, direct)
-        return TransferFunction(
-            input=self.inputs[column],
-            output=self.outputs[row],
-            numerator_coefficients=numerator,
-            denominator_coefficients=denominator,
+        row = chosen(output, self.outputs, "output", self.name)
+        column = chosen(input, self.inputs, "input", self.name)
+        return self._transfer(self._pencil(), row, column)
+
+    def transfer_matrix(self) -> TransferMatrix:
+        """Return the transfer functions of all outputs and inputs.
+
+        They share one characteristic polynomial per coupled part of the system.
+
+        Raises
+        ------
+        EquationError
+            If one of them has too many terms for a closed form.
+        """
+        pencil = self._pencil()
+        return all_closed_forms(
+            self.name,
+            self.outputs,
+            self.inputs,
+            lambda i, j: self._transfer(pencil, i, j),
+        )
+
+    def _pencil(self) -> Pencil:
+        """Return ``(sI - A) x = (B + s B_rate) u`` and the outputs."""
+        size = len(self.states)
+        return Pencil(
+            constant={place: -value for place, value in self.A.todok().items()},
+            linear={(i, i): sympy.S.One for i in range(size)},
+            right=self.B.todok(),
+            right_rate=self.B_rate.todok(),
+            read=self.C.todok(),
+            direct=self.D.todok(),
+            direct_rate=self.D_rate.todok(),
+        )
+
+    def _transfer(self, pencil: Pencil, row: int, column: int) -> TransferFunction:
+        return closed_form(
+            pencil,
+            (row, column),
+            self._between(row, column),
+            (self.outputs[row], self.inputs[column]),
         )
 
     def _between(self, row: int, column: int) -> list[int]:
@@ -103,114 +141,6 @@ def _reached(start: list[int], edges: Mapping[int, list[int]]) -> set[int]:
     return seen
 
 
-def _chosen(name: str | None, names: tuple[str, ...], kind: str, model: str) -> int:
-    if name is None and len(names) == 1:
-        return 0
-    if name in names:
-        return names.index(name)
-    problem = (
-        f"{model!r} has {len(names)} {kind}s; say which one."
-        if name is None
-        else f"{model!r} has no {kind} {name!r}."
-    )
-    raise EquationError(problem, (name or model,), did_you_mean(name or "", names))
-
-
-def _polynomials(
-    A: list[list[sympy.Expr]],
-    B: list[sympy.Expr],
-    B_rate: list[sympy.Expr],
-    C: list[sympy.Expr],
-    direct: tuple[sympy.Expr, sympy.Expr],
-) -> tuple[tuple[sympy.Expr, ...], tuple[sympy.Expr, ...]]:
-    """Return numerator and denominator coefficients without a common factor.
-
-    ``c adj(sI - A) b = det(sI - A + b c) - det(sI - A)``, after the input's rate has
-    been moved into the state (x - B_rate u).
-    """
-    n = len(A)
-    flat = [x for row in A for x in row]
-    field = RationalField([*flat, *B, *B_rate, *C, *direct])
-    domain = field.domain
-    if not n:
-        denominator = [domain.one]
-        numerator = [field.element(direct[1]), field.element(direct[0])]
-        return _without_common_factor(field, numerator, denominator)
-    a = field.matrix(A, n)
-    b, b_rate = (field.matrix([[x] for x in column], 1) for column in (B, B_rate))
-    c = field.matrix([C], n)
-    b = b + a * b_rate
-    through = field.element(direct[0]) + (c * b_rate).to_list()[0][0]
-    rate_through = field.element(direct[1])
-    denominator = a.charpoly()
-    difference = (a - b * c).charpoly()
-    numerator = [domain.zero, domain.zero]
-    numerator += [x - y for x, y in zip(difference[1:], denominator[1:], strict=True)]
-    for i, x in enumerate(denominator):
-        numerator[i] += rate_through * x
-        numerator[i + 1] += through * x
-    return _without_common_factor(field, numerator, denominator)
-
-
-def _without_common_factor(
-    field: RationalField, numerator: Sequence[Any], denominator: Sequence[Any]
-) -> tuple[tuple[sympy.Expr, ...], tuple[sympy.Expr, ...]]:
-    """Return the coefficients in lowest terms, without fractions inside."""
-    parts = [_stripped(numerator), _stripped(denominator)]
-    if field.symbols:
-        parts = _without_fractions(field, parts)
-        domain = field.domain.get_ring()
-    else:
-        domain = field.domain
-    top, bottom = (
-        sympy.Poly([domain.to_sympy(c) for c in part], s, domain=domain)
-        for part in parts
-    )
-    if _share_a_root(top, bottom):
-        top, bottom = top.cancel(bottom, include=True)
-    return tuple(
-        tuple(field.restored(c) for c in part.all_coeffs()) for part in (top, bottom)
-    )  # type: ignore[return-value]
-
-
-def _stripped(coefficients: Sequence[Any]) -> list[Any]:
-    found = list(coefficients)
-    while len(found) > 1 and not found[0]:
-        found.pop(0)
-    return found
-
-
-def _without_fractions(field: RationalField, parts: list[list[Any]]) -> list[list[Any]]:
-    """Return the coefficients times their common denominator, over their content."""
-    ring = field.domain.get_ring()
-    common = ring.one
-    for c in (c for part in parts for c in part):
-        common = ring.lcm(common, c.denom)
-    whole = [[ring.exquo(common, c.denom) * c.numer for c in part] for part in parts]
-    content = ring.zero
-    for c in sorted((c for part in whole for c in part if c), key=len):
-        content = ring.gcd(content, c)
-        if content == 1:
-            return whole
-    return [[ring.exquo(c, content) for c in part] for part in whole]
-
-
-def _share_a_root(top: sympy.Poly, bottom: sympy.Poly) -> bool:
-    """Return whether the two have a common factor in s, tried at arbitrary numbers.
-
-    At numbers the greatest common divisor takes microseconds, with symbols minutes; a
-    common factor shows at every choice of numbers.
-    """
-    symbols = sorted(top.free_symbols | bottom.free_symbols, key=str)
-    primes = iter(sympy.primerange(100, 10**6))
-    numbers = {x: sympy.Rational(next(primes), 97) for x in symbols if x != s}
-    top, bottom = (
-        sympy.Poly([c.xreplace(numbers) for c in part.all_coeffs()], s, domain="QQ")
-        for part in (top, bottom)
-    )
-    return bool(top.is_zero or top.gcd(bottom).degree() > 0)
-
-
 def linearise(
     equations: StateEquations, at: Mapping[str, object] | SteadyState | None = None
 ) -> LinearSystem:
@@ -229,65 +159,47 @@ def linearise(
         If a law has no derivative at the operating point (a kink whose two sides
         differ, a jump).
     """
-    evaluate = OperatingPoint(equations, at)
-    one = sympy.S.One
+    point = OperatingPoint(equations, at)
+    raw = first_order(equations, point)
     states = [state.symbol for state in equations.states]
-    leaves = (*states, *equations.inputs, *equations.input_rates)
-    rates = [state.rate for state in equations.states]
-    rows = seeded((*leaves, *equations.unknowns), one)
-    early, late = equations.around_rates()
-    propagate(rows, early, evaluate)
-    for rate, expression in zip(rates, equations.rates, strict=True):
-        rows[rate] = row_of(expression, rows, evaluate)
-    propagate(rows, late, evaluate)
-    residuals = [row_of(r, rows, evaluate) for r in equations.residuals]
+    rates = dict(
+        zip((state.rate for state in equations.states), raw.rates, strict=True)
+    )
+    residuals = [substituted(row, rates) for row in raw.residuals]
     solutions = _solve(residuals, equations.unknowns)
-    _refuse_jumps(equations, evaluate, rows)
     found = [
-        _smooth(
-            _without_unknowns(rows[state.rate], solutions),
-            evaluate,
-            f"the rate of {state.symbol}",
-        )
-        for state in equations.states
+        smooth(substituted(row, solutions), point, f"the rate of {state}")
+        for state, row in zip(states, raw.rates, strict=True)
     ]
     outputs = [
-        _smooth(
-            _without_unknowns(row_of(o.expression, rows, evaluate), solutions),
-            evaluate,
-            f"the output {o.name!r}",
-        )
-        for o in equations.outputs
+        smooth(substituted(row, solutions), point, f"the output {output.name!r}")
+        for output, row in zip(equations.outputs, raw.outputs, strict=True)
     ]
     return LinearSystem(
         name=equations.name,
         states=tuple(x.name for x in states),
         inputs=tuple(u.name for u in equations.inputs),
         outputs=tuple(o.name for o in equations.outputs),
-        A=_matrix(found, states),
-        B=_matrix(found, equations.inputs),
-        C=_matrix(outputs, states),
-        D=_matrix(outputs, equations.inputs),
-        B_rate=_matrix(found, equations.input_rates),
-        D_rate=_matrix(outputs, equations.input_rates),
+        A=matrix(found, states),
+        B=matrix(found, equations.inputs),
+        C=matrix(outputs, states),
+        D=matrix(outputs, equations.inputs),
+        B_rate=matrix(found, equations.input_rates),
+        D_rate=matrix(outputs, equations.input_rates),
+        terms=_terms([*found, *outputs]),
+        descriptor_terms=_terms([*raw.rates, *raw.residuals, *raw.outputs]),
     )
 
 
-def _refuse_jumps(
-    equations: StateEquations, at: OperatingPoint, rows: Mapping[sympy.Symbol, Row]
-) -> None:
-    expressions = {str(a.symbol): a.expression for a in equations.assignments}
-    expressions |= {o.name: o.expression for o in equations.outputs}
-    expressions |= dict(
-        zip(map(str, equations.unknowns), equations.residuals, strict=True)
+def _terms(rows: Iterable[Row]) -> int:
+    """Return how many terms all entries have together."""
+    return sum(
+        len(sympy.Add.make_args(part))
+        for row in rows
+        for value in row.values()
+        for part in value.as_numer_denom()
+        if part != 1
     )
-    for name, expression in expressions.items():
-        if any(symbol in rows for symbol in expression.free_symbols):
-            at.refuse_jump(expression, name)
-
-
-def _smooth(row: Row, at: OperatingPoint, of: str) -> Row:
-    return {leaf: at.smooth(value, of) for leaf, value in row.items()}
 
 
 def _solve(
@@ -297,24 +209,3 @@ def _solve(
     matrix = [{k: v for k, v in row.items() if k in known} for row in residuals]
     right = [{k: -v for k, v in row.items() if k not in known} for row in residuals]
     return solved(matrix, unknowns, right)
-
-
-def _without_unknowns(row: Row, solutions: Mapping[sympy.Symbol, Row]) -> Row:
-    total: dict[sympy.Symbol, list[sympy.Expr]] = {}
-    for key, value in row.items():
-        for leaf, factor in solutions.get(key, {key: sympy.S.One}).items():
-            total.setdefault(leaf, []).append(value * factor)
-    return {leaf: in_lowest_terms(terms) for leaf, terms in total.items()}
-
-
-def _matrix(
-    rows: list[Row], columns: Sequence[sympy.Symbol]
-) -> sympy.ImmutableSparseMatrix:
-    place = {symbol: j for j, symbol in enumerate(columns)}
-    entries = {
-        (i, place[symbol]): value
-        for i, row in enumerate(rows)
-        for symbol, value in row.items()
-        if symbol in place and value != 0
-    }
-    return sympy.ImmutableSparseMatrix(len(rows), len(columns), entries)

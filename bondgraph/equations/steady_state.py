@@ -114,6 +114,7 @@ def affine_steady_state(
     reduced: ReducedEquations,
     inputs: Mapping[str, sympy.Expr | None],
     hold: Mapping[str, sympy.Expr],
+    guess: Mapping[str, sympy.Expr],
 ) -> SteadyState | None:
     """Return the steady state in symbols, or None where the equations are not affine.
 
@@ -123,6 +124,8 @@ def affine_steady_state(
         Values of all inputs; None for one that is to be found.
     hold
         Values of states that are given.
+    guess
+        Values of states that turn out to be free; zero where not named.
     """
     equations = reduced.equations
     rest = {state.rate: ZERO for state in equations.states}
@@ -154,14 +157,15 @@ def affine_steady_state(
     form = _affine(list(rows.values()), wanted)
     if form is None:
         return None
-    solved = _solved(list(rows), wanted, *form)
+    chosen = {x: guess.get(str(x), ZERO) for x in wanted}
+    solved = _solved(list(rows), chosen, *form)
     if isinstance(solved, str):
         return SteadyState(
             name=equations.name, status=SteadyStatus.NOT_FOUND, reason=solved
         )
     values, free = solved
     put |= values
-    put |= {states[name]: hold.get(name, ZERO) for name in loose}
+    put |= {states[name]: hold.get(name, guess.get(name, ZERO)) for name in loose}
     return described(
         equations,
         values={
@@ -229,13 +233,14 @@ def _affine(
 
 def _solved(
     names: list[str],
-    unknowns: list[sympy.Symbol],
+    chosen: Mapping[sympy.Symbol, sympy.Expr],
     matrix: list[list[sympy.Expr]],
     right: list[sympy.Expr],
 ) -> tuple[dict[sympy.Symbol, sympy.Expr], list[sympy.Symbol]] | str:
-    """Return the values, free ones at zero, or a sentence on what cannot vanish."""
+    """Return the values, free ones as chosen, or a sentence on what cannot vanish."""
+    unknowns = list(chosen)
     if not names:
-        return dict.fromkeys(unknowns, ZERO), list(unknowns)
+        return dict(chosen), unknowns
     field_ = RationalField([*(x for row in matrix for x in row), *right])
     # The unit columns on the right keep which equations each row was made from.
     rows = [
@@ -251,11 +256,18 @@ def _solved(
             return _contradiction(names, weights)
         if pivot > width:
             break
-    values = dict.fromkeys(unknowns, ZERO)
+    values = dict(chosen)
+    free = [j for j in range(width) if j not in pivots]
     for i, pivot in enumerate(pivots):
         if pivot < width:
-            values[unknowns[pivot]] = field_.expression(table[i][width])
-    return values, [x for j, x in enumerate(unknowns) if j not in pivots]
+            terms = [
+                -field_.expression(table[i][j]) * chosen[unknowns[j]]
+                for j in free
+                if table[i][j]
+            ]
+            value = field_.expression(table[i][width])
+            values[unknowns[pivot]] = sympy.Add(value, *terms)
+    return values, [unknowns[j] for j in free]
 
 
 def _contradiction(names: list[str], weights: list[sympy.Expr]) -> str:

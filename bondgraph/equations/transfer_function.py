@@ -2,7 +2,9 @@
 
 Kept as two polynomials in s without a common factor. The gain is that of the
 zero-pole-gain form: the ratio of the leading coefficients, 176.76 in
-``176.76 / (s (s + pole))``.
+``176.76 / (s (s + pole))``. Three forms print and render: `polynomial` (coefficients by
+powers of s), `textbook` (factors without fractions), `pole_zero_gain` (gain times
+factors that start with s).
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,10 +12,15 @@ from dataclasses import dataclass
 
 import sympy
 
+from bondgraph.equations.factors import PoleZeroGain, monic, product
+from bondgraph.equations.factors import polynomial as _polynomial
+from bondgraph.equations.factors import s
 from bondgraph.errors import EquationError, ParameterError
 from bondgraph.structure.signals import parameter_symbol
 
-s = sympy.Symbol("s")
+__all__ = ["TransferFunction", "s"]
+
+_SHORT = 200  # operations up to which a gain is worth factoring
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,9 +65,42 @@ class TransferFunction:
         return sympy.oo if last == 0 else self.numerator_coefficients[-1] / last
 
     @property
+    def name(self) -> str:
+        """Output over input."""
+        return f"{self.output}/{self.input}"
+
+    @property
+    def polynomial(self) -> sympy.Expr:
+        """Numerator over denominator, each by powers of s, nothing factored."""
+        return sympy.Mul(
+            self.numerator,
+            sympy.Pow(self.denominator, -1, evaluate=False),
+            evaluate=False,
+        )
+
+    @property
     def textbook(self) -> sympy.Expr:
         """Numerator over denominator as products of polynomials in s, for reading."""
-        return _factors(self.numerator) / _factors(self.denominator)
+        return product(self.numerator_coefficients) / product(
+            self.denominator_coefficients
+        )
+
+    @property
+    def pole_zero_gain(self) -> PoleZeroGain:
+        """The gain, and zeros and poles as factors with s in front."""
+        return PoleZeroGain(
+            name=self.name,
+            gain=sympy.factor(self.gain)
+            if self.gain.count_ops() < _SHORT
+            else self.gain,
+            zeros=monic(self.numerator_coefficients),
+            poles=monic(self.denominator_coefficients),
+        )
+
+    def at(self, frequency: complex, values: Mapping[str, float]) -> complex:
+        """Return the complex gain at s = `frequency` (1/s) and parameter values."""
+        top, bottom = self.coefficients(values)
+        return complex(_horner(top, frequency) / _horner(bottom, frequency))
 
     def poles(self, values: Mapping[str, float]) -> tuple[complex, ...]:
         """Return the poles (1/s) at these parameter values, smallest first."""
@@ -91,31 +131,24 @@ class TransferFunction:
         missing = sorted({str(x) for number in numbers for x in number.free_symbols})
         if missing:
             raise ParameterError(
-                f"{self.output}/{self.input} needs a value of {', '.join(missing)}.",
+                f"{self.name} needs a value of {', '.join(missing)}.",
                 tuple(missing),
                 "Give one for every parameter in it.",
             )
         return numbers
 
     def __str__(self) -> str:
-        return f"{self.output}/{self.input} = {self.textbook}"
+        return f"{self.name} = {self.textbook}"
 
     def _repr_latex_(self) -> str:
         return f"$\\displaystyle {sympy.latex(self.textbook)}$"
 
 
-def _polynomial(coefficients: Sequence[sympy.Expr]) -> sympy.Expr:
-    degree = len(coefficients) - 1
-    return sympy.Add(*(c * s ** (degree - i) for i, c in enumerate(coefficients)))
-
-
-def _factors(polynomial: sympy.Expr) -> sympy.Expr:
-    """Return the factors, each collected in powers of s."""
-    constant, factors = sympy.factor_list(polynomial)
-    collected = (
-        sympy.collect(sympy.expand(factor), s) ** power for factor, power in factors
-    )
-    return sympy.Mul(constant, *collected)
+def _horner(coefficients: Sequence[float], at: complex) -> complex:
+    total = 0j
+    for coefficient in coefficients:
+        total = total * at + coefficient
+    return total
 
 
 def _roots(coefficients: list[sympy.Expr]) -> tuple[complex, ...]:

@@ -88,6 +88,7 @@ def steady_state(
         for name, value in {**dict.fromkeys(names, 0), **(inputs or {})}.items()
     }
     held = {name: canonical(value) for name, value in (hold or {}).items()}
+    nearby = {name: canonical(value) for name, value in (guess or {}).items()}
     model = compile_model(equations)
     if model.needs_time:
         raise EquationError(
@@ -96,7 +97,7 @@ def steady_state(
             "Linearise it at a point of its motion: at={name: value, 't': time}.",
         )
     if len(states) <= SYMBOLIC_STATES:
-        symbolic = affine_steady_state(reduce(equations), fixed, held)
+        symbolic = affine_steady_state(reduce(equations), fixed, held, nearby)
         if symbolic is not None:
             return symbolic
     values = graph.parameters.values_by_name()
