@@ -161,7 +161,7 @@ class _Run:
         self.weights, self.nodes = solver.tableau
         n = system.n_powers
         where = (np.arange(system.n_states), system.rate_columns)
-        self.rate_of = coo_array(
+        self.rate_of: csr_array = coo_array(
             (system.rate_signs, where), shape=(system.n_states, n)
         ).tocsr()
         self.meter = EnergyMeter(system)
@@ -237,7 +237,7 @@ class _Run:
                 known += h * weight * earlier
             step = h * self.weights[i, i]
             w = self._solve(z[:n], known, step, u, now)
-            rate: Array = self.rate_of @ w
+            rate = np.asarray(self.rate_of @ w)
             rates.append(rate)
             z = np.concatenate([w, known + step * rate])
             self.meter.add(z, h * self.weights[-1, i])

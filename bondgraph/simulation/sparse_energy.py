@@ -151,6 +151,6 @@ class _Contents:
             here = first + node * way
             t = times[0] + node * (times[1] - times[0])
             for group in self.system.laws:
-                values[group.rows] = group.evaluate(here, t)[0]
+                values[group.rows] = group.values(here, t)
             total += weight * values[self.rows] * argument
         return total

@@ -7,6 +7,7 @@ into numpy code once, and evaluated with arrays that have one entry per element.
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -53,9 +54,10 @@ class LawGroup:
         Values of parameters and literal numbers, ``[constant, member]``.
     linear
         Whether no partial depends on what is read or on time.
-    function
-        Takes reads, constants and t; gives the values, a partial per read and the
-        partial to t.
+    value
+        Takes reads, constants and t; gives the values.
+    slopes
+        Takes the same; gives a partial per read and the partial to t.
     """
 
     expression: sympy.Expr
@@ -64,17 +66,29 @@ class LawGroup:
     signs: Array
     constants: Array
     linear: bool
-    function: Callable[..., Sequence[Any]]
+    value: Callable[..., Any]
+    slopes: Callable[..., Sequence[Any]]
 
-    def evaluate(self, z: Array, t: float) -> tuple[Array, Array, Array]:
-        """Return the values, partials ``[read, member]`` and partials to t."""
+    def values(self, z: Array, t: float) -> Array:
+        """Return the values ``[member]``."""
+        reads = self.signs * z[self.columns]
+        with np.errstate(all="ignore"):  # outside of its domain a law is nan
+            found: Array = self.value(*reads, *self.constants, t)
+        return found
+
+    def partials(self, z: Array, t: float) -> tuple[Array, Array]:
+        """Return the partials ``[read, member]`` and those to t."""
         reads = self.signs * z[self.columns]
         with np.errstate(all="ignore"):  # a kink or a pole shows as inf or nan
-            results = self.function(*reads, *self.constants, t)
+            results = self.slopes(*reads, *self.constants, t)
         found = np.empty((len(results), len(self.rows)))
         for k, result in enumerate(results):
             found[k] = result
-        return found[0], self.signs * found[1:-1], found[-1]
+        return self.signs * found[:-1], found[-1]
+
+    def _all(self, z: Array, t: float) -> Array:
+        values = np.broadcast_to(self.values(z, t), self.rows.shape)
+        return np.vstack([values[None], self.partials(z, t)[0]])
 
     def at_kink(self, z: Array, t: float) -> NDArray[np.bool_]:
         """Return which members stand where their law jumps or changes its slope.
@@ -90,11 +104,10 @@ class LawGroup:
         used = np.unique(self.columns)
         directions = 1.0 + 0.3 * np.sin(1.0 + np.arange(len(used)))
         step[used] = HAIR * (1.0 + np.abs(z[used])) * directions
-        here = np.vstack(self.evaluate(z, t)[:2])
+        here = self._all(z, t)
         for side in (-1.0, 1.0):
             near, far = (
-                np.vstack(self.evaluate(z + side * hairs * step, t)[:2])
-                for hairs in (1.0, 100.0)
+                self._all(z + side * hairs * step, t) for hairs in (1.0, 100.0)
             )
             apart = np.abs(near - here)
             visible = apart > 1e-9 * np.maximum(np.abs(near), np.abs(here))
@@ -132,16 +145,15 @@ class _Members:
             by_argument(self.signs, float),
             by_argument(self.constants, float),
             all(varying.isdisjoint(x.free_symbols) for x in slopes[:-1]),
-            _compiled(arguments, [self.expression, *partials]),
+            _compiled(arguments, self.expression),
+            _compiled(arguments, partials),
         )
 
 
 def _compiled(
-    arguments: list[sympy.Symbol], results: list[sympy.Basic]
-) -> Callable[..., Sequence[Any]]:
-    found: Callable[..., Sequence[Any]] = sympy.lambdify(
-        arguments, results, "numpy", cse=True
-    )
+    arguments: list[sympy.Symbol], results: sympy.Expr | list[sympy.Expr]
+) -> Callable[..., Any]:
+    found: Callable[..., Any] = sympy.lambdify(arguments, results, "numpy", cse=True)
     return found
 
 
@@ -149,10 +161,11 @@ def grouped(
     laws: Iterable[LawRow], parameters: Mapping[str, float]
 ) -> tuple[LawGroup, ...]:
     """Return the laws in groups that are evaluated together."""
-    groups: dict[Any, _Members] = {}
+    groups: dict[tuple[str, tuple[int, ...]], _Members] = {}
     for law in laws:
-        leaves: dict[sympy.Expr, int] = {}
-        key = _form(law.expression, law.reads, leaves)
+        shape, found = _shape(law.expression, law.reads)
+        leaves = tuple(dict.fromkeys(found))
+        key = shape, tuple(leaves.index(x) for x in found)
         reads = [x for x in leaves if x in law.reads]
         others = [x for x in leaves if x not in law.reads]
         group = groups.get(key)
@@ -176,20 +189,25 @@ def _new_group(
     return _Members(expression.xreplace(twins), arguments, len(reads))
 
 
-def _form(
-    expression: sympy.Expr,
-    reads: Mapping[sympy.Symbol, Read],
-    leaves: dict[sympy.Expr, int],
-) -> Any:
-    """Return what is left of an expression without names and decimal numbers."""
+def _shape(
+    expression: sympy.Basic, reads: Mapping[sympy.Symbol, Read]
+) -> tuple[str, list[sympy.Expr]]:
+    """Return what is left of an expression without names, and what was in its place.
+
+    Terms and factors are ordered by their shapes, because sympy orders them by names.
+    """
     if expression == signals.t:
-        return "t"
+        return "t", []
     if expression.is_Symbol or expression.is_Float:
-        number = leaves.setdefault(expression, len(leaves))
-        return number, expression in reads
+        return "read" if expression in reads else "constant", [expression]
     if not expression.args:
-        return expression
-    return expression.func, *(_form(x, reads, leaves) for x in expression.args)
+        return str(expression), []
+    parts = [_shape(x, reads) for x in expression.args]
+    if expression.is_Add or expression.is_Mul:
+        parts.sort(key=itemgetter(0))
+    shape = ",".join(part for part, _ in parts)
+    leaves = [leaf for _, found in parts for leaf in found]
+    return f"{expression.func.__name__}({shape})", leaves
 
 
 def _flat(slope: sympy.Expr) -> sympy.Expr:

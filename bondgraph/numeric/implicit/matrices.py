@@ -99,7 +99,7 @@ def implicit_state_space(
 def _check_smooth(system: ImplicitSystem, z: Array, t: float) -> None:
     bad = [np.zeros(0, np.int64)]
     for group in system.laws:
-        partials = group.evaluate(z, t)[1]
+        partials = group.partials(z, t)[0]
         undefined = ~np.isfinite(partials).all(axis=0)
         bad.append(group.rows[undefined | group.at_kink(z, t)])
     refuse_kink(system, np.concatenate(bad))

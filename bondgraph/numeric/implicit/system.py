@@ -99,7 +99,7 @@ class ImplicitSystem:
         """Return what is left of every row; zero where all equations hold."""
         left: Array = self.constant @ z - self.inputs @ u
         for group in self.laws:
-            left[group.rows] -= group.evaluate(z, t)[0]
+            left[group.rows] -= group.values(z, t)
         return left
 
     def jacobian(self, z: Array, t: float = 0.0, *, capped: bool = False) -> csr_array:
@@ -114,14 +114,14 @@ class ImplicitSystem:
         """Return the exact derivative of the residual to t."""
         partial = np.zeros(len(self.owners))
         for group in self.laws:
-            partial[group.rows] -= group.evaluate(z, t)[2]
+            partial[group.rows] -= group.partials(z, t)[1]
         return partial
 
     def outputs(self, z: Array, t: float = 0.0) -> Array:
         """Return the measurements."""
         y: Array = self.reading @ z
         for group in self.reading_laws:
-            y[group.rows] += group.evaluate(z, t)[0]
+            y[group.rows] += group.values(z, t)
         return y
 
     def output_jacobian(self, z: Array, t: float = 0.0) -> csr_array:
@@ -142,7 +142,7 @@ def _with_partials(
         return constant
     rows, columns, values = [], [], []
     for group in laws:
-        partials = group.evaluate(z, t)[1]
+        partials = group.partials(z, t)[0]
         if capped:
             partials = np.nan_to_num(partials, nan=0.0, posinf=STEEP, neginf=-STEEP)
         rows.append(np.broadcast_to(group.rows, partials.shape).ravel())
