@@ -9,10 +9,12 @@ from catalogue import CASES, Case, agree, expression, random_graph
 
 from bondgraph.equations.derivation import derive
 from bondgraph.equations.energy import BalanceStatus, energy
+from bondgraph.equations.insertion import signal_values
 from bondgraph.equations.inversion import Laws
+from bondgraph.equations.power_proof import PowerProof
 from bondgraph.equations.reduction import reduce
 from bondgraph.equations.stored_energy import EnergyForm, energy_function
-from bondgraph.errors import BondGraphError
+from bondgraph.errors import BondGraphError, EquationError
 from bondgraph.structure.builder import BondGraph
 from bondgraph.structure.elements import TF, C, I, R, Se, Sf
 from bondgraph.structure.fields import CField, IField, RField
@@ -297,3 +299,24 @@ def test_power_that_crosses_from_heat_is_listed() -> None:
     (crossing,) = balance.exchanged
     assert crossing.element == "k"
     assert agree(time_derivative(balance.total, finished), balance.rate)
+
+
+def test_a_power_that_does_not_vanish_is_not_proven() -> None:
+    equations = derive(graph_with(I("m")))
+    prove = PowerProof(equations)
+    supplied = equations.signal("effort", "u") * equations.signal("flow", "port")
+    into_m = equations.signal("effort", "m") * equations.signal("flow", "port")
+    into_r = equations.signal("effort", "r") * equations.signal("flow", "port")
+    assert not prove(supplied - into_m, "port")
+    assert prove(supplied - into_m - into_r, "port")
+
+
+def test_equations_of_another_model_are_refused() -> None:
+    graph = BondGraph("parametric spring")
+    spring = C("spring", law=k * displacement("wheel") * q)
+    graph.one("mass", Se("force"), I("m"), spring)
+    graph.one("wheel", Sf("turn"), R("r"))
+    with pytest.raises(EquationError, match="other states"):
+        signal_values(
+            graph.finish(), derive(graph_with(I("m"))), [displacement("wheel")]
+        )

@@ -45,7 +45,7 @@ class BalanceStatus(StrEnum):
     """What is known of the power balance; the value is the sentence."""
 
     EXACT = "every junction and two-port conserves power exactly"
-    PARTLY_SHOWN = "power is conserved; for the nodes named no exact proof was found"
+    PARTLY_SHOWN = "every junction and two-port but those named was shown to keep power"
     OPEN = "a modulated storage exchanges a power that has no formula here"
 
 

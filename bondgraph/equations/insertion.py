@@ -62,8 +62,20 @@ def signal_values(
         probes = tuple(Measurement(f"~{s}", s, "1") for s in missing)
         probed = derive(replace(graph, measurements=(*graph.measurements, *probes)))
         values = [output.expression for output in probed.outputs[-len(missing) :]]
+        _check_same(probed, equations)
         found.update(zip(missing, values, strict=True))
     return found
+
+
+def _check_same(probed: StateEquations, equations: StateEquations) -> None:
+    """Refuse equations of another causality than the graph's own."""
+    if probed.states != equations.states:
+        raise EquationError(
+            f"The equations given for {equations.name!r} have other states than those "
+            f"that its own causality gives.",
+            (equations.name,),
+            "Leave the equations out, or derive them without a causality of your own.",
+        )
 
 
 def _direct(known: Mapping[tuple[Quantity, str], sympy.Expr]) -> set[Signal]:

@@ -49,13 +49,21 @@ class FirstIntegral:
         formula) unknowns.
     places
         The storages and integrated measurements in it.
-    statement
-        The same in words.
+    word
+        What it is called: momentum, charge, …, combination.
     """
 
     expression: sympy.Expr
     places: tuple[str, ...]
-    statement: str
+    word: str
+
+    @property
+    def statement(self) -> str:
+        """The integral in words."""
+        return (
+            f"The {self.word} {self.expression} is conserved: the structure makes the "
+            f"rates at {', '.join(self.places)} cancel, whatever the laws are."
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,7 +79,11 @@ class RedundantState:
 
     state: str
     through: sympy.Expr
-    statement: str
+
+    @property
+    def statement(self) -> str:
+        """The same in words."""
+        return f"{self.state} follows {self.through}: the two differ by a constant."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -262,23 +274,13 @@ class _Held:
             for s in row
             if self.graph.has_place(_owner(self.place[s]))
         }
-        what = f"The {words.pop()}" if len(words) == 1 else "The combination"
-        return FirstIntegral(
-            expression=expression,
-            places=places,
-            statement=f"{what} {expression} is conserved: the structure makes the "
-            f"rates at {', '.join(places)} cancel, whatever the laws are.",
-        )
+        word = words.pop() if len(words) == 1 else "combination"
+        return FirstIntegral(expression=expression, places=places, word=word)
 
     def redundant(self, pivot: sympy.Symbol, row: Row) -> RedundantState:
-        rest = sympy.Add(
-            *(-x * self.contents[s] / row[pivot] for s, x in row.items() if s != pivot)
-        )
-        state = str(self.contents[pivot])
+        terms = (-x * self.contents[s] for s, x in row.items() if s != pivot)
         return RedundantState(
-            state=state,
-            through=rest,
-            statement=f"{state} follows {rest}: the two differ by a constant.",
+            state=str(self.contents[pivot]), through=sympy.Add(*terms)
         )
 
 
