@@ -1,6 +1,7 @@
 """Exported programs, each run in its own language against our own numbers."""
 
 import ctypes
+import json
 import re
 import shutil
 import subprocess
@@ -14,9 +15,11 @@ import numpy as np
 import pytest
 import sympy
 from catalogue import CASES, Case, somewhere
+from click.testing import CliRunner, Result
 from numpy.typing import NDArray
 
 from bondgraph import TF, BondGraph, C, FinishedGraph, I, R, Se, Sf
+from bondgraph.cli.program import program
 from bondgraph.equations.derivation import derive
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.errors import EquationError
@@ -732,3 +735,36 @@ def test_many_unknowns_are_refused_in_c() -> None:
     g.measure("inner", effort="m7")
     with pytest.raises(EquationError, match="algebraic unknowns"):
         to_c99(g.finish())
+
+
+# On the command line
+
+
+def exported(form: str, *words: object) -> Result:
+    command = ["export", "flegx_models.demo:drive", "--to", form, *map(str, words)]
+    return CliRunner().invoke(program, command)
+
+
+def test_the_file_named_on_the_command_line_names_the_program(tmp_path: Path) -> None:
+    result = exported("c", "-o", tmp_path / "drive.c", "--json", tmp_path / "j.json")
+    assert (result.exit_code, result.output) == (0, "")
+    assert "int drive_rates(" in (tmp_path / "drive.h").read_text()
+    files = json.loads((tmp_path / "j.json").read_text())["files"]
+    assert files["drive.c"] == (tmp_path / "drive.c").read_text()
+
+
+@needs_gcc
+def test_one_text_on_stdout_compiles_alone(tmp_path: Path) -> None:
+    (tmp_path / "all.c").write_text(exported("c").output, encoding="utf-8")
+    gcc("-c", tmp_path / "all.c", "-o", tmp_path / "all.o")
+
+
+def test_a_folder_that_is_not_there_is_one_line() -> None:
+    result = exported("modelica", "-o", "/nowhere/drive.mo")
+    assert result.exit_code == 2
+    assert "'/nowhere/drive.mo' cannot be written" in result.output
+    assert result.output.count("\n") == 1
+
+
+def test_python_control_is_still_a_word() -> None:
+    assert exported("python-control").output == exported("control").output

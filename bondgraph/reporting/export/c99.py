@@ -200,14 +200,13 @@ def _number(value: float | None) -> str:
 
 def _locals(program: Program, block: Block) -> list[str]:
     """Return a local constant for each part of x, u, p and z that a block reads."""
-    leaves = program.leaves()
-    read = [s for s in leaves if s in block.read()]
+    read = block.read()
     lines = []
-    for symbol in read:
-        vector, i = leaves[symbol]
-        name = program.names[symbol]
-        source = f"p->{name}" if vector == "p" else f"{vector}[{i}]"
-        lines.append(f"    const double {name} = {source};")
+    for symbol, (vector, i) in program.leaves().items():
+        if symbol in read:
+            name = program.names[symbol]
+            source = f"p->{name}" if vector == "p" else f"{vector}[{i}]"
+            lines.append(f"    const double {name} = {source};")
     return lines
 
 
@@ -274,14 +273,15 @@ def _solver(program: Program) -> list[str]:
         (*planned.residuals.results, *entries),
     )
     own = Block(planned.residuals.statements, planned.residuals.results)
-    late = [s for s in _locals(program, whole) if s not in _locals(program, own)]
+    early = _locals(program, own)
+    late = [line for line in _locals(program, whole) if line not in early]
     lines = [
         "/* Residuals of the unknowns, and dr/dz row by row where jac is not NULL. */",
         "static void residuals(double t, const double x[], const double u[],",
         f"    const {program.name}_parameters *p, const double z[],",
         "    double res[], double jac[])",
         "{",
-        *_locals(program, own),
+        *early,
         *_statements(program, own.statements),
         *(
             wrapped(f"    res[{i}] = {printer.doprint(value)};")
