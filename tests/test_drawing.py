@@ -4,12 +4,14 @@ import json
 import math
 import random
 import re
+import runpy
 import struct
 import sys
 import time
 import xml.etree.ElementTree as ET
 from functools import cache
 from itertools import combinations, pairwise
+from pathlib import Path
 
 import pytest
 import sympy
@@ -39,6 +41,7 @@ from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.signals import displacement, effort, f, flow
 from flegx_models import models
 
+ROOT = Path(__file__).resolve().parents[1]
 SVG = "{http://www.w3.org/2000/svg}"
 
 
@@ -660,6 +663,22 @@ def test_without_resvg_a_png_is_refused_with_the_way_out(
     monkeypatch.setitem(sys.modules, "resvg_py", None)
     with pytest.raises(BondGraphError, match=r"Install bondgraph-workbench\[png\]"):
         draw_png(LEGS["lowerleg_flight"])
+
+
+def test_the_pictures_of_the_documentation_are_drawn_by_the_example() -> None:
+    example = runpy.run_path(str(ROOT / "examples" / "pictures.py"))
+    drawn = example["pictures"]()
+    assert set(drawn) > {"images/cylinder.svg", "images/double_pendulum.svg"}
+    for path, svg in drawn.items():
+        assert (ROOT / "docs" / path).read_text("utf-8") == svg, path
+
+
+def test_the_code_of_the_page_on_pictures_runs() -> None:
+    page = (ROOT / "docs" / "pictures.md").read_text("utf-8")
+    (code,) = re.findall(r"^```python\n(.*?)^```", page, flags=re.M | re.S)
+    names: dict[str, str] = {}
+    exec(code, names)
+    assert "speed" in groups(names["svg"], "sensor")
 
 
 MODEL = """

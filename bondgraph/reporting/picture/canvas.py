@@ -122,13 +122,16 @@ class Picture:
         """Return the whole document."""
         boxes = Crowd([corners(box) for box in self.layout.boxes.values()])
         lines = [piece for path in self.layout.paths for piece in _pieces(path)]
-        ways = Crowd([strip(*piece, WAY) for piece in lines])
-        bonds_only = len(ways.shapes)
-        activated = self._activated(boxes, ways) if self.content.signals else []
-        curves = ways.shapes[bonds_only:]
+        activated: list[str] = []
+        curves: list[Shape] = []
+        if self.content.signals:
+            ways = Crowd([strip(*piece, WAY) for piece in lines])
+            activated = self._activated(boxes, ways)
+            curves = ways.shapes[len(lines) :]
+        width, height = self.layout.width, self.layout.height
         self._reach = around(
             [
-                Box(self.layout.width / 2, self.layout.height / 2, *self._size()),
+                Box(width / 2, height / 2, width, height),
                 *(Box(x, y, MARGIN, MARGIN) for curve in curves for x, y in curve),
             ]
         )
@@ -137,9 +140,6 @@ class Picture:
         sensors = [self._sensor(sensor) for sensor in self.sensors]
         shown = [*activated, *bonds, *nodes, *sensors]
         return self._sheet(shown, theme)
-
-    def _size(self) -> tuple[float, float]:
-        return self.layout.width, self.layout.height
 
     def _activated(self, boxes: Crowd, lines: Crowd) -> list[str]:
         """Return the signals to sensors and to the elements whose laws read them."""
@@ -174,7 +174,8 @@ class Picture:
             if bond.name in self.causality.strokes
         ]
         barbs = [(barb(path), path[-1]) for path in self.layout.paths]
-        crowd = Crowd([*obstacles, *strokes, *barbs])
+        labelled = any(self.bond_labels)
+        crowd = Crowd([*obstacles, *strokes, *barbs] if labelled else [])
         drawn = []
         for k, bond in enumerate(self.graph.bonds):
             path = self.layout.paths[k]

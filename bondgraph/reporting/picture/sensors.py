@@ -10,7 +10,7 @@ from bondgraph.reporting.picture.activated import Activated
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.elements import Junction, Node, letter
 from bondgraph.structure.graph import FinishedGraph, Measurement
-from bondgraph.structure.nodes import laws_of
+from bondgraph.structure.nodes import written_laws
 from bondgraph.structure.signals import Signal, signals_in
 
 _LETTERS = {
@@ -89,7 +89,7 @@ def _carrier(graph: FinishedGraph, place: str) -> str:
 def modulations(graph: FinishedGraph) -> Iterator[Activated]:
     """Yield a signal from every place that a law reads to the element of the law."""
     for node in graph.nodes:
-        read = {s for law in laws_of(node) for s in signals_in(law)}
+        read = {s for law in written_laws(node) for s in signals_in(law)}
         for place in sorted({s.place for s in read}):
             variables = [_SHORT[s.quantity] for s in read if s.place == place]
             words = f"{node.name} reads {' and '.join(sorted(variables))} of {place}"
@@ -100,7 +100,7 @@ def modulations(graph: FinishedGraph) -> Iterator[Activated]:
 def drawn_letter(node: Node) -> str:
     """Return the letter of a node, with the M of one that reads a signal."""
     plain = letter(node)
-    reads = any(signals_in(law) for law in laws_of(node))
+    reads = any(signals_in(law) for law in written_laws(node))
     return f"M{plain}" if reads and not plain.startswith("M") else plain
 
 
