@@ -4,7 +4,14 @@ from operator import attrgetter
 
 import pytest
 import sympy
-from catalogue import CASES, FIELDS, Case, random_graph, somewhere
+from catalogue import (
+    CASES,
+    FIELDS,
+    Case,
+    random_graph,
+    random_nonlinear_graph,
+    somewhere,
+)
 from catalogue.comparison import check_answers, compare_with_raw
 from catalogue.raw_equations import Raw
 from catalogue.refusals import REFUSALS, Refusal
@@ -77,6 +84,16 @@ def check_random(seed: int) -> str:
 def test_random_graphs_are_solved_rightly_or_refused(first: int) -> None:
     ends = [check_random(seed) for seed in range(first, first + 20)]
     assert ends.count("solved") >= 2
+
+
+@pytest.mark.parametrize("first", range(0, 40, 10))
+def test_random_nonlinear_graphs_are_solved_rightly_or_refused(first: int) -> None:
+    seeds = range(first, first + 10)
+    graphs = [random_nonlinear_graph(seed).finish() for seed in seeds]
+    solved = [graph for graph in graphs if refused(graph) is None]
+    assert len(solved) >= 5
+    for graph in solved:
+        compare_with_raw(graph)
 
 
 # Refusals -------------------------------------------------------------------------

@@ -17,7 +17,7 @@ from catalogue import (  # noqa: F401  (imported for the cases they add)
 )
 from catalogue.cases import CASES, Case, adder, agree, case, expression, somewhere
 from catalogue.fields import FIELDS
-from catalogue.random_graphs import random_graph
+from catalogue.random_graphs import random_graph, random_nonlinear_graph
 
 __all__ = [
     "CASES",
@@ -28,5 +28,6 @@ __all__ = [
     "case",
     "expression",
     "random_graph",
+    "random_nonlinear_graph",
     "somewhere",
 ]

@@ -23,20 +23,27 @@ def leaves(equations: StateEquations) -> set[sympy.Symbol]:
 
 def evaluated(equations: StateEquations, put: Mapping[sympy.Symbol, float]) -> Values:
     """Return the value of every symbol, the unknowns found by damped Newton steps."""
+    fixed: Values = dict(put)
+    early, late = equations.around_rates()
+    steps = [(a.symbol, a.expression) for a in early]
+    steps += [
+        (s.rate, x) for s, x in zip(equations.states, equations.rates, strict=True)
+    ]
+    steps += [(a.symbol, a.expression) for a in (*late, *equations.further)]
+    moving = []  # what depends on the unknowns; the rest is evaluated once
+    for symbol, expression in steps:
+        reduced = sympy.sympify(expression.xreplace(fixed))
+        if reduced.free_symbols:
+            moving.append((symbol, reduced))
+        else:
+            fixed[symbol] = number(reduced, {})
+    residuals = [r.xreplace(fixed) for r in equations.residuals]
 
     def walk(z: np.ndarray) -> tuple[Values, np.ndarray]:
-        at: Values = {
-            **put,
-            **dict(zip(equations.unknowns, map(float, z), strict=True)),
-        }
-        early, late = equations.around_rates()
-        for a in early:
-            at[a.symbol] = number(a.expression, at)
-        for state, rate in zip(equations.states, equations.rates, strict=True):
-            at[state.rate] = number(rate, at)
-        for a in (*late, *equations.further):
-            at[a.symbol] = number(a.expression, at)
-        return at, np.array([number(r, at) for r in equations.residuals])
+        at: Values = dict(zip(equations.unknowns, map(float, z), strict=True))
+        for symbol, expression in moving:
+            at[symbol] = number(expression, at)
+        return fixed | at, np.array([number(r, at) for r in residuals])
 
     size = len(equations.unknowns)
     z = np.full(size, 0.1)
@@ -44,8 +51,8 @@ def evaluated(equations: StateEquations, put: Mapping[sympy.Symbol, float]) -> V
     for _ in range(60):
         if not size or np.max(np.abs(left)) < 1e-11:
             break
-        steps = 1e-6 * np.eye(size)
-        slopes = np.array([(walk(z + h)[1] - walk(z - h)[1]) / 2e-6 for h in steps]).T
+        nudges = 1e-6 * np.eye(size)
+        slopes = np.array([(walk(z + h)[1] - walk(z - h)[1]) / 2e-6 for h in nudges]).T
         step = np.linalg.solve(slopes, left)
         for damping in 0.5 ** np.arange(12):
             at, left_there = walk(z - damping * step)

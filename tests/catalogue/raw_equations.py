@@ -191,10 +191,13 @@ class Raw:
 
     # Solving ----------------------------------------------------------------------
 
-    def system(self, free: list[str]) -> tuple[list[sympy.Symbol], list[sympy.Expr]]:
+    def system(
+        self, free: list[str], numbers: Mapping[sympy.Symbol, float]
+    ) -> tuple[list[sympy.Symbol], list[sympy.Expr]]:
         """Return unknowns and equations when the stored labels in `free` are unknown.
 
-        The unknowns are e, f and the free stored, then the rates of e and f.
+        The unknowns are e, f and the free stored, then the rates of e and f. The
+        parameters are put in as `numbers`.
         """
         ports = [*self.efforts, *self.flows]
         rates = {x: sympy.Symbol(f"{x.name}_rate", real=True) for x in ports}
@@ -205,23 +208,27 @@ class Raw:
             for u in self.graph.inputs
         }
         follow[t] = sympy.S.One
+        constraints = [g.xreplace(dict(numbers)) for g in self.constraints]
         derivatives = [
             sympy.Add(*(g.diff(x) * follow[x] for x in g.free_symbols if x in follow))
-            for g in self.constraints
+            for g in constraints
         ]
         unknowns = [*ports, *(self.stored[n] for n in free), *rates.values()]
-        return unknowns, [*self.constraints, *derivatives]
+        return unknowns, [*constraints, *derivatives]
 
     def solve(
         self, free: list[str], put: Mapping[sympy.Symbol, float], start: np.ndarray
     ) -> tuple[np.ndarray, bool]:
         """Return e, f and the free stored, and whether these are the only ones near."""
-        unknowns, equations = self.system(free)
+        named = {parameter_symbol(n) for n in self.graph.parameters}
+        numbers = {x: value for x, value in put.items() if x in named}
+        unknowns, equations = self.system(free, numbers)
         equations = [_without_kinks(g.xreplace(put)) for g in equations]
+        place = {x: j for j, x in enumerate(unknowns)}
         entries = [
             (i, j, _without_kinks(g.diff(unknowns[j])))
             for i, g in enumerate(equations)
-            for j in sorted({unknowns.index(x) for x in g.free_symbols})
+            for j in sorted(place[x] for x in g.free_symbols)
         ]
         values = sympy.lambdify([unknowns], equations, "numpy")
         slopes = sympy.lambdify([unknowns], [x for _, _, x in entries], "numpy")
@@ -242,7 +249,9 @@ class Raw:
                 break
             w = w - np.linalg.lstsq(jacobian(w), left, rcond=None)[0]
         assert np.max(np.abs(left)) < SMALL, "the raw equations were not solved"
-        _, singular, modes = np.linalg.svd(jacobian(w))
+        matrix = jacobian(w)
+        size = np.max(np.abs(matrix), axis=1, keepdims=True)
+        _, singular, modes = np.linalg.svd(matrix / np.where(size > 0, size, 1.0))
         rank = int(np.sum(singular > 1e-10 * singular[0]))
         undetermined = modes[rank:, :wanted]
         alone = undetermined.size == 0 or bool(np.max(np.abs(undetermined)) < SMALL)
@@ -269,4 +278,6 @@ class Raw:
 
 def _without_kinks(expression: sympy.Expr) -> sympy.Expr:
     """Return `expression` away from its kinks, where an impulse is nothing."""
+    if not expression.has(sympy.DiracDelta):
+        return expression
     return expression.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero)
