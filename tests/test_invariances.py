@@ -4,6 +4,7 @@ Turned half arrows, other names, another order, another domain; 0 and 1 exchange
 effort and flow; other units. And energy: what goes in is stored or dissipated.
 """
 
+import math
 import random
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -11,6 +12,7 @@ from operator import attrgetter
 from typing import Any
 
 import numpy as np
+import pint
 import pytest
 import sympy
 from catalogue import CASES, FIELDS, Case, somewhere
@@ -329,6 +331,44 @@ def test_other_units_give_the_same_physics(case: Case) -> None:
         assert isinstance(measurement.expression, Signal)
         own = per[measurement.expression.quantity]
         expected = number(output.expression, at) * own
+        found = number(output.expression, scaled)
+        assert found == pytest.approx(expected, rel=1e-8, abs=1e-9)
+
+
+MEASURED = [c for c in EVERY if all(d.checked for d in c.graph().domains)]
+BASE = {"mass": 2.1, "length": 1.3, "time": 0.7, "current": 1.9, "temperature": 1.1}
+
+
+def _in_other_base_units(unit: str) -> float:
+    """Return the factor of `unit` when kilogram, metre, second, … are others."""
+    dimensions = pint.Unit(unit.replace("^", "**")).dimensionality
+    return math.prod(BASE[name.strip("[]")] ** n for name, n in dimensions.items())
+
+
+def test_many_machines_cross_domains_with_units() -> None:
+    assert len(MEASURED) >= 10
+    assert len({d.name for c in MEASURED for d in c.graph().domains}) == 5
+
+
+@pytest.mark.parametrize("case", MEASURED, ids=attrgetter("name"))
+def test_units_agree_across_domains(case: Case) -> None:
+    # In other base units every number changes by its unit; no answer may notice.
+    graph = case.graph()
+    equations = derive(graph)
+    scale = {"t": _in_other_base_units("s")}
+    scale |= {p.name: _in_other_base_units(p.unit) for p in graph.parameters.values()}
+    scale |= {s.symbol.name: _in_other_base_units(s.unit) for s in equations.states}
+    units = dict(zip(equations.inputs, equations.input_units, strict=True))
+    scale |= {u.name: _in_other_base_units(unit) for u, unit in units.items()}
+    scale |= {f"d{u.name}": scale[u.name] / scale["t"] for u in units}
+    put = somewhere(leaves(equations))
+    at = evaluated(equations, put)
+    scaled = evaluated(equations, {x: v * scale[x.name] for x, v in put.items()})
+    for state in equations.states:
+        expected = at[state.rate] * scale[state.symbol.name] / scale["t"]
+        assert scaled[state.rate] == pytest.approx(expected, rel=1e-8, abs=1e-9)
+    for output in equations.outputs:
+        expected = number(output.expression, at) * _in_other_base_units(output.unit)
         found = number(output.expression, scaled)
         assert found == pytest.approx(expected, rel=1e-8, abs=1e-9)
 

@@ -31,8 +31,8 @@ TRANSDUCER = "KMR, ch. 8, transducers"
     transfers={("w", "u"): "k/((la*s + ra)*(j*s + b) + k**2)"},
 )
 def dc_motor(g: BondGraph) -> None:
-    g.one("armature", Se("u"), R("ra"), I("la"))
-    g.one("shaft", I("j"), R("b"))
+    g.one("armature", Se("u"), R("ra"), I("la"), domain="electrical")
+    g.one("shaft", I("j"), R("b"), domain="rotation")
     g.join("armature", GY("k"), "shaft")
     g.measure("w", flow="shaft")
 
@@ -88,9 +88,9 @@ def geared_motor_with_flexible_shaft(g: BondGraph) -> None:
     transfers={("speed", "w"): "kg*km/((l*s + rg + rm)*(j*s + b) + km**2)"},
 )
 def ward_leonard_set(g: BondGraph) -> None:
-    g.one("drive", Sf("w"))
-    g.one("circuit", R("rg"), R("rm"), I("l"))
-    g.one("shaft", I("j"), R("b"))
+    g.one("drive", Sf("w"), domain="rotation")
+    g.one("circuit", R("rg"), R("rm"), I("l"), domain="electrical")
+    g.one("shaft", I("j"), R("b"), domain="rotation")
     g.join("drive", GY("kg"), "circuit")
     g.join("circuit", GY("km"), "shaft")
     g.measure("speed", flow="shaft")
@@ -123,8 +123,8 @@ def series_wound_motor(g: BondGraph) -> None:
     transfers={("v", "u"): "bl*c*s/((l*s + r)*(m*c*s**2 + b*c*s + 1) + bl**2*c*s)"},
 )
 def loudspeaker(g: BondGraph) -> None:
-    g.one("coil", Se("u"), R("r"), I("l"))
-    g.one("cone", I("m"), R("b"), C("c"))
+    g.one("coil", Se("u"), R("r"), I("l"), domain="electrical")
+    g.one("cone", I("m"), R("b"), C("c"), domain="translation")
     g.join("coil", GY("bl"), "cone")
     g.measure("v", flow="cone")
 
@@ -142,9 +142,9 @@ def loudspeaker(g: BondGraph) -> None:
     },
 )
 def piezoelectric_actuator(g: BondGraph) -> None:
-    g.one("supply", Se("u"), R("r"))
-    g.zero("electrodes", C("c0"))
-    g.one("tip", I("m"), C("k"), R("b"))
+    g.one("supply", Se("u"), R("r"), domain="electrical")
+    g.zero("electrodes", C("c0"), domain="electrical")
+    g.one("tip", I("m"), C("k"), R("b"), domain="translation")
     g.join("supply", "electrodes")
     g.join("electrodes", TF("alpha"), "tip")
     g.measure("x", displacement="tip")

@@ -169,9 +169,9 @@ def hydrostatic_transmission(g: BondGraph) -> None:
     },
 )
 def accumulator_on_a_line(g: BondGraph) -> None:
-    g.one("pipe", Se("supply"), R("r"), I("line"))
-    g.zero("end", C("accumulator"))
-    g.one("consumer", Sf("draw"))
+    g.one("pipe", Se("supply"), R("r"), I("line"), domain="hydraulic")
+    g.zero("end", C("accumulator"), domain="hydraulic")
+    g.one("consumer", Sf("draw"), domain="hydraulic")
     g.join("pipe", "end")
     g.join("end", "consumer")
     g.measure("pressure", effort="end")
@@ -239,9 +239,9 @@ def surge_tank(g: BondGraph) -> None:
     },
 )
 def u_tube(g: BondGraph) -> None:
-    g.zero("left_level", C("left"))
-    g.one("tube", I("column"), R("r"))
-    g.zero("right_level", C("right"))
+    g.zero("left_level", C("left"), domain="hydraulic")
+    g.one("tube", I("column"), R("r"), domain="hydraulic")
+    g.zero("right_level", C("right"), domain="hydraulic")
     g.join("left_level", "tube")
     g.join("tube", "right_level")
 

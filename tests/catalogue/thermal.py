@@ -22,12 +22,12 @@ REACTIONS = "Oster, Perelson, Katchalsky 1973, network thermodynamics"
     },
 )
 def two_rooms(g: BondGraph) -> None:
-    g.zero("air1", Sf("heater"), C("room1"))
-    g.zero("air2", C("room2"))
-    g.zero("weather", Se("outside"))
-    g.one("between", R("wall"))
-    g.one("window1", R("r1"))
-    g.one("window2", R("r2"))
+    g.zero("air1", Sf("heater"), C("room1"), domain="thermal")
+    g.zero("air2", C("room2"), domain="thermal")
+    g.zero("weather", Se("outside"), domain="thermal")
+    g.one("between", R("wall"), domain="thermal")
+    g.one("window1", R("r1"), domain="thermal")
+    g.one("window2", R("r2"), domain="thermal")
     for path in (
         ("air1", "between", "air2"),
         ("air1", "window1", "weather"),
