@@ -2,6 +2,7 @@
 
 from operator import attrgetter
 
+import numpy as np
 import pytest
 import sympy
 from catalogue import (
@@ -13,6 +14,7 @@ from catalogue import (
     somewhere,
 )
 from catalogue.comparison import check_answers, compare_with_raw
+from catalogue.evaluation import observed
 from catalogue.raw_equations import Raw
 from catalogue.refusals import REFUSALS, Refusal
 
@@ -23,6 +25,8 @@ from bondgraph.errors import (
     EquationError,
     StructureError,
 )
+from bondgraph.numeric.model import compile_model, evaluate
+from bondgraph.structure.signals import t
 
 every_case = pytest.mark.parametrize("case", CASES + FIELDS, ids=attrgetter("name"))
 
@@ -49,6 +53,25 @@ def test_answers_are_those_derived_by_hand(case: Case) -> None:
 @every_case
 def test_every_variable_is_that_of_the_raw_equations(case: Case) -> None:
     compare_with_raw(case.graph(), case.where)
+
+
+@every_case
+def test_the_compiled_model_gives_the_same_numbers(case: Case) -> None:
+    seen = observed(case.graph(), case.where)
+    equations = seen.equations
+    model = compile_model(equations)
+    variables = [s.symbol for s in equations.states]
+    variables += [s.rate for s in equations.states]
+    variables += [*equations.unknowns, *equations.inputs, *equations.input_rates]
+    point = np.array([seen.at[x] for x in (*variables, *equations.parameters, t)])
+    none = np.zeros((len(point), 0))
+    values, _ = evaluate(model.dynamics, point, none)
+    rates = [seen.at[s.rate] for s in equations.states]
+    zeros = [0.0] * len(equations.unknowns)
+    assert values == pytest.approx([*rates, *zeros], rel=1e-9, abs=1e-8)
+    outputs, _ = evaluate(model.output, point, none)
+    expected = [*seen.outputs.values()]
+    assert outputs == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
 # Random graphs --------------------------------------------------------------------
