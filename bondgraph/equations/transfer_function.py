@@ -12,9 +12,8 @@ from dataclasses import dataclass
 
 import sympy
 
-from bondgraph.equations.factors import PoleZeroGain, monic, product
+from bondgraph.equations.factors import PoleZeroGain, monic, product, s
 from bondgraph.equations.factors import polynomial as _polynomial
-from bondgraph.equations.factors import s
 from bondgraph.errors import EquationError, ParameterError
 from bondgraph.structure.signals import parameter_symbol
 

@@ -89,10 +89,10 @@ def factored(matrix: Matrix, model: NumericModel) -> "sparse.linalg.SuperLU":
     except RuntimeError:  # SuperLU's word for singular
         raise EquationError(
             f"The equations of {model.name!r} do not determine their unknowns at this "
-            f"point.",
+            f"point and these parameter values.",
             (model.name,),
-            "Try another operating point, or put an R or a storage between the "
-            "elements concerned.",
+            "Try other values, or put an R or a storage between the elements "
+            "concerned.",
         ) from None
 
 

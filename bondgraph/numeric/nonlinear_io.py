@@ -57,7 +57,7 @@ def to_nonlinear_io(graph: FinishedGraph) -> "control.NonlinearIOSystem":
     return control.NonlinearIOSystem(
         update if model.n_states else None,
         output,
-        states=[_plain(name) for name in model.state_names],
+        states=[_plain(name) for name in model.state_names] or None,
         inputs=[_plain(name) for name in model.input_names],
         outputs=[_plain(name) for name in model.output_names],
         params=graph.parameters.values_by_name(),
