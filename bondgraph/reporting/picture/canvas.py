@@ -120,13 +120,14 @@ class Picture:
 
     def svg(self, theme: Theme) -> str:
         """Return the whole document."""
-        boxes = Crowd([corners(box) for box in self.layout.boxes.values()])
+        boxes = [corners(box) for box in self.layout.boxes.values()]
         lines = [piece for path in self.layout.paths for piece in _pieces(path)]
         activated: list[str] = []
         curves: list[Shape] = []
         if self.content.signals:
             ways = Crowd([strip(*piece, WAY) for piece in lines])
-            activated = self._activated(boxes, ways)
+            near = [corners(box.grown(2.0)) for box in self.layout.boxes.values()]
+            activated = self._activated(Crowd(near), ways)
             curves = ways.shapes[len(lines) :]
         width, height = self.layout.width, self.layout.height
         self._reach = around(
@@ -135,7 +136,7 @@ class Picture:
                 *(Box(x, y, MARGIN, MARGIN) for curve in curves for x, y in curve),
             ]
         )
-        bonds = self._bonds([*boxes.shapes, *lines, *curves])
+        bonds = self._bonds([*boxes, *lines, *curves])
         nodes = [self._node(node) for node in self.graph.nodes]
         sensors = [self._sensor(sensor) for sensor in self.sensors]
         shown = [*activated, *bonds, *nodes, *sensors]
@@ -208,10 +209,9 @@ class Picture:
         if node.name in self.content.inserted:
             parts.append(_rectangle(box, "mark"))
         parts.append(self.texts[node.name].svg(box, side))
-        name = quoteattr(node.name)
         return (
-            f'<g class="{" ".join(css)}" id={quoteattr(f"{self._id}-{node.name}")} '
-            f"data-name={name}>{''.join(parts)}</g>"
+            f'<g class="{" ".join(css)}" data-name={quoteattr(node.name)} '
+            f"id={quoteattr(f'{self._id}-{node.name}')}>{''.join(parts)}</g>"
         )
 
     def _sensor(self, sensor: Sensor) -> str:
@@ -237,6 +237,7 @@ class Picture:
         return words
 
     def _sheet(self, drawn: Sequence[str], theme: Theme) -> str:
+        name = f"Bond graph of {self.graph.name}"
         marks = {*self.causality.nodes.values(), *self.causality.bonds.values()}
         if self.content.inserted:
             marks.add("inserted")
@@ -256,9 +257,8 @@ class Picture:
             f'<svg xmlns="http://www.w3.org/2000/svg" class="bondgraph" '
             f'width="{width:.0f}" height="{height:.0f}" '
             f'viewBox="{left:.0f} {top:.0f} {width:.0f} {height:.0f}" role="img" '
-            f'aria-labelledby="{self._id}-title {self._id}-desc">'
-            f'<title id="{self._id}-title">'
-            f"{escape(f'Bond graph of {self.graph.name}')}</title>"
+            f'aria-label={quoteattr(name)} aria-describedby="{self._id}-desc">'
+            f"<title>{escape(name)}</title>"
             f'<desc id="{self._id}-desc">{escape(self._description())}</desc>'
             f"<style>{style(theme)}</style>"
             f'<rect class="sheet" x="{left:.0f}" y="{top:.0f}" width="{width:.0f}" '
