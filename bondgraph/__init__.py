@@ -59,6 +59,18 @@ _HOME = {
     "bondgraph.checking.run": ("run_checks",),
     "bondgraph.loading": ("load_model",),
     "bondgraph.notebook": ("load_ipython_extension",),
+    "bondgraph.equations.energy": (
+        "energy",
+        "EnergyBalance",
+    ),
+    "bondgraph.equations.port_hamiltonian": (
+        "port_hamiltonian",
+        "PortHamiltonian",
+    ),
+    "bondgraph.equations.invariants": (
+        "invariants",
+        "Invariants",
+    ),
     "bondgraph.errors": ("BondGraphError",),
 }
 _WHERE = {name: home for home, names in _HOME.items() for name in names}
@@ -74,7 +86,15 @@ if TYPE_CHECKING:
     from bondgraph.diagnosis.records import Diagnosis as Diagnosis
     from bondgraph.diagnosis.records import Verdict as Verdict
     from bondgraph.equations.derivation import derive as derive
+    from bondgraph.equations.energy import EnergyBalance as EnergyBalance
+    from bondgraph.equations.energy import energy as energy
+    from bondgraph.equations.invariants import Invariants as Invariants
+    from bondgraph.equations.invariants import invariants as invariants
     from bondgraph.equations.linear import linearise as linearise
+    from bondgraph.equations.port_hamiltonian import PortHamiltonian as PortHamiltonian
+    from bondgraph.equations.port_hamiltonian import (
+        port_hamiltonian as port_hamiltonian,
+    )
     from bondgraph.equations.rendering import as_latex as as_latex
     from bondgraph.equations.rendering import as_text as as_text
     from bondgraph.errors import BondGraphError as BondGraphError

@@ -1,7 +1,6 @@
 """``bondgraph derive``: what follows from the graph alone."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import click
 import sympy
@@ -11,11 +10,23 @@ from bondgraph.causality.records import CausalAssignment
 from bondgraph.cli.inputs import model_argument, read_model
 from bondgraph.cli.session import Session, json_option
 from bondgraph.equations.derivation import derive
+from bondgraph.equations.energy import EnergyBalance, energy
+from bondgraph.equations.invariants import Invariants, invariants
 from bondgraph.equations.linear import LinearSystem, linearise
-from bondgraph.equations.rendering import as_latex, as_text
+from bondgraph.equations.port_hamiltonian import PortHamiltonian, port_hamiltonian
+from bondgraph.equations.rendering import SHORT, as_latex, as_text
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.equations.transfer_function import TransferFunction
 from bondgraph.errors import BondGraphError, EquationError, ParameterError
+from bondgraph.reporting.derived_json import (
+    has_numbers,
+    plain_causality,
+    plain_energy,
+    plain_equations,
+    plain_hamiltonian,
+    plain_invariants,
+    plain_transfer,
+)
 from bondgraph.structure.graph import FinishedGraph
 
 
@@ -29,6 +40,10 @@ from bondgraph.structure.graph import FinishedGraph
 )
 @click.option("--latex", is_flag=True, help="Print the equations as LaTeX.")
 @click.option("--reasons", is_flag=True, help="Say why each causal stroke is there.")
+@click.option("--energy", "show_energy", is_flag=True, help="Print the energy balance.")
+@click.option(
+    "--hamiltonian", is_flag=True, help="Print the port-Hamiltonian form, if any."
+)
 @json_option
 @click.pass_obj
 def command(
@@ -40,9 +55,17 @@ def command(
     at: tuple[str, ...],
     latex: bool,
     reasons: bool,
+    show_energy: bool,
+    hamiltonian: bool,
     json_file: str | None,
 ) -> None:
-    """Derive causality, state equations and transfer functions of MODEL."""
+    r"""Derive causality, state equations and transfer functions of MODEL.
+
+    \b
+    bondgraph derive flegx_models.models:lowerleg_flight
+    bondgraph derive machine.py:crane --energy --hamiltonian
+    bondgraph derive machine.py:crane --latex --at q_cable=0.2
+    """
     session.answers_in(json_file)
     graph = read_model(model, values)
     causality = assign_causality(graph)
@@ -50,8 +73,17 @@ def command(
     linear = _linear(equations, _point(at))
     transfers = _transfer_functions(linear)
     numbers = _numbers(graph)
+    balance, held = energy(graph, equations), invariants(graph, equations)
+    form = port_hamiltonian(graph)
+    parts: list[EnergyBalance | PortHamiltonian | Invariants] = []
+    notable = held.first_integrals or held.redundant or held.unread or held.energy
+    parts += [held] if notable else []
+    parts += [_readable(balance)] if show_energy else []
+    parts += [form] if hamiltonian else []
     if latex:
         session.say(_latex(equations, transfers))
+        for part in parts:
+            session.say(f"\\[\n{part.as_latex()}\n\\]")
     else:
         session.say("\n".join(_causality_lines(causality, reasons=reasons)))
         session.say(as_text(equations))
@@ -59,7 +91,27 @@ def command(
         session.say("transfer functions")
         for transfer in transfers:
             session.say("\n".join(_transfer_lines(transfer, numbers)))
-    session.deliver(json_file, _plain(graph, causality, equations, transfers))
+        for part in parts:
+            session.say()
+            session.say(part.as_text())
+    answer = {
+        "schema": 1,
+        "model": graph.name,
+        "causality": plain_causality(causality),
+        "parameters": numbers,
+        **plain_equations(equations),
+        "energy": plain_energy(balance),
+        "invariants": plain_invariants(held),
+        "port_hamiltonian": plain_hamiltonian(form),
+        "transfer_functions": [plain_transfer(t, numbers) for t in transfers],
+    }
+    session.deliver(json_file, answer)
+
+
+def _readable(balance: EnergyBalance) -> EnergyBalance:
+    """Return the balance in states and inputs, where that is short."""
+    few = len(balance.equations.states) <= SHORT
+    return balance.in_states() if few else balance
 
 
 def _point(words: Sequence[str]) -> dict[str, float]:
@@ -127,7 +179,7 @@ def _transfer_lines(
     if isinstance(transfer, BondGraphError):
         return [f"  {transfer}"]
     lines = [f"  {transfer}"]
-    if _has_numbers(transfer, numbers):
+    if has_numbers(transfer, numbers):
         lines.append(f"    gain  {transfer.gain_at(numbers):.6g}")
         lines += [
             f"    {kind} {', '.join(map(_complex, points))}"
@@ -138,13 +190,6 @@ def _transfer_lines(
             if points
         ]
     return lines
-
-
-def _has_numbers(transfer: TransferFunction, numbers: Mapping[str, float]) -> bool:
-    """Return whether gain, poles and zeros can be given as numbers."""
-    needed = (transfer.expression.free_symbols) - {sympy.Symbol("s")}
-    known = {str(symbol) for symbol in needed} <= set(numbers)
-    return known and any(c != 0 for c in transfer.numerator_coefficients)
 
 
 def _complex(point: complex) -> str:
@@ -166,59 +211,3 @@ def _latex(
             formula = sympy.Eq(over, transfer.textbook, evaluate=False)
             blocks.append(f"\\[\n{sympy.latex(formula)}\n\\]")
     return "\n".join(blocks)
-
-
-def _plain(
-    graph: FinishedGraph,
-    causality: CausalAssignment,
-    equations: StateEquations,
-    transfers: Sequence[TransferFunction | BondGraphError],
-) -> dict[str, Any]:
-    """Return everything derived, expressions as text."""
-    numbers = _numbers(graph)
-    return {
-        "schema": 1,
-        "model": graph.name,
-        "causality": {
-            "strokes": {s.bond.name: s.at for s in causality.strokes},
-            "integral": list(causality.integral),
-            "derivative": list(causality.derivative),
-            "arbitrary": list(causality.arbitrary),
-            "reasons": {s.stroke.bond.name: s.reason for s in causality.steps},
-        },
-        "states": [
-            {"name": str(s.symbol), "place": s.place, "unit": s.unit}
-            for s in equations.states
-        ],
-        "inputs": [str(u) for u in equations.inputs],
-        "parameters": numbers,
-        "assignments": [
-            [str(a.symbol), str(a.expression)] for a in equations.assignments
-        ],
-        "rates": [str(rate) for rate in equations.rates],
-        "unknowns": [str(z) for z in equations.unknowns],
-        "residuals": [str(residual) for residual in equations.residuals],
-        "outputs": {o.name: str(o.expression) for o in equations.outputs},
-        "transfer_functions": [_plain_transfer(t, numbers) for t in transfers],
-    }
-
-
-def _plain_transfer(
-    transfer: TransferFunction | BondGraphError, numbers: Mapping[str, float]
-) -> dict[str, Any]:
-    if isinstance(transfer, BondGraphError):
-        return {"refused": str(transfer)}
-    plain: dict[str, Any] = {
-        "input": transfer.input,
-        "output": transfer.output,
-        "numerator": [str(c) for c in transfer.numerator_coefficients],
-        "denominator": [str(c) for c in transfer.denominator_coefficients],
-        "gain": None,
-        "poles": None,
-        "zeros": None,
-    }
-    if _has_numbers(transfer, numbers):
-        plain["gain"] = transfer.gain_at(numbers)
-        plain["poles"] = [[p.real, p.imag] for p in transfer.poles(numbers)]
-        plain["zeros"] = [[z.real, z.imag] for z in transfer.zeros(numbers)]
-    return plain

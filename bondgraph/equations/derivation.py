@@ -85,6 +85,7 @@ class _Derivation:
         kept, self.aliases = without_aliases(self.definitions.given)
         self.given = {s: d.expression for s, d in kept.items()}
         self.why = {s: f"{d.reason} ({d.origin})" for s, d in kept.items()}
+        self.origin = {s: d.origin for s, d in kept.items()}
         self.inputs = self.definitions.inputs
         self.input_rates = {
             symbol: names.symbol(f"d{symbol.name}") for symbol in self.inputs.values()
@@ -214,7 +215,8 @@ class _Derivation:
         return [s for (s,) in components(dependencies(rest), rest, set())]
 
     def _assignment(self, symbol: sympy.Symbol) -> Assignment:
-        return Assignment(symbol, self.given[symbol], self.why.get(symbol, ""))
+        origin = self.origin.get(symbol, "")
+        return Assignment(symbol, self.given[symbol], self.why.get(symbol, ""), origin)
 
     def _needed(self, roots: Iterable[sympy.Expr]) -> set[sympy.Symbol]:
         """Return the assigned symbols and unknowns that `roots` need."""

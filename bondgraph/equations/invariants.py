@@ -226,9 +226,8 @@ class _Held:
 
     def _add_integral(self, state: State) -> None:
         """Add a state that no storage holds, named after the wire it integrates."""
-        is_momentum = state.symbol.name.startswith("p_")
-        quantity = Quantity.MOMENTUM if is_momentum else Quantity.DISPLACEMENT
-        wires = self.wires.effort if is_momentum else self.wires.flow
+        quantity = state.quantity
+        wires = self.wires.effort if state.is_momentum else self.wires.flow
         wire = next(w for w in wires if self.wires.label[w] == state.place)
         node = self.graph.by_name.get(state.place)
         sign = 1

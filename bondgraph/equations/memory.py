@@ -132,7 +132,7 @@ class Memory:
         quantity = Quantity.MOMENTUM if is_momentum else Quantity.DISPLACEMENT
         unit = self.graph.domains[bond].unit(quantity)
         rate_symbol = self.names.symbol(f"d{symbol.name}")
-        self.states.append(State(symbol, rate_symbol, place, unit))
+        self.states.append(State(symbol, rate_symbol, place, unit, quantity))
         self.rates.append(rate)
 
     def stored(self, name: str) -> sympy.Expr:

@@ -24,8 +24,7 @@ class PowerProof:
         listed: tuple[Assignment, ...] = (*equations.assignments, *equations.further)
         self._given_by: dict[str, dict[sympy.Symbol, sympy.Expr]] = {}
         for a in listed:
-            origin = a.reason.rpartition("(")[2].rstrip(")")
-            self._given_by.setdefault(origin, {})[a.symbol] = a.expression
+            self._given_by.setdefault(a.origin, {})[a.symbol] = a.expression
         self._place = {a.symbol: i for i, a in enumerate(listed)}
         self._expression = {a.symbol: a.expression for a in listed}
         residuals = dict(zip(equations.unknowns, equations.residuals, strict=True))

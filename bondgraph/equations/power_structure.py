@@ -283,7 +283,7 @@ def _integrand(graph: FinishedGraph, state: State, names: dict[str, str]) -> Sig
 
     ``names`` gives what the bonds of the graph are called where it is read.
     """
-    is_momentum = state.symbol.name.startswith("p_")
+    is_momentum = state.is_momentum
     quantity = Quantity.EFFORT if is_momentum else Quantity.FLOW
     wires = Wires(graph, SymbolNames())
     found = wires.effort if is_momentum else wires.flow

@@ -36,15 +36,26 @@ class State:
     rate: sympy.Symbol
     place: str
     unit: str
+    quantity: Quantity = Quantity.DISPLACEMENT
+
+    @property
+    def is_momentum(self) -> bool:
+        """Whether it is the integral of an effort."""
+        return self.quantity is Quantity.MOMENTUM
 
 
 @dataclass(frozen=True, slots=True)
 class Assignment:
-    """``symbol = expression`` of symbols assigned before it; ``reason`` in words."""
+    """``symbol = expression`` of symbols assigned before it.
+
+    ``reason`` says in words where it comes from, ``origin`` names the element or
+    junction (nothing for the rate of another symbol).
+    """
 
     symbol: sympy.Symbol
     expression: sympy.Expr
     reason: str = ""
+    origin: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +67,7 @@ class Output:
     unit: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class StateEquations:
     """The equations of one graph in one causality; see the module's head.
 
@@ -96,6 +107,18 @@ class StateEquations:
     causes: tuple[tuple[str, ...], ...] = ()
     further: tuple[Assignment, ...] = ()
     signals: Mapping[tuple[Quantity, str], sympy.Expr] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        counts = (
+            f"{len(self.states)} states, {len(self.inputs)} inputs, "
+            f"{len(self.unknowns)} unknowns, {len(self.outputs)} outputs"
+        )
+        return f"<StateEquations {self.name!r}: {counts}>"
+
+    def __str__(self) -> str:
+        from bondgraph.equations.rendering import as_text  # noqa: PLC0415  (a cycle)
+
+        return as_text(self)
 
     def around_rates(self) -> tuple[tuple[Assignment, ...], tuple[Assignment, ...]]:
         """Return the assignments evaluated before the rates, and those after."""
