@@ -71,6 +71,19 @@ _HOME = {
         "invariants",
         "Invariants",
     ),
+    "bondgraph.reporting.export.exporting": (
+        "C99",
+        "Matlab",
+        "Modelica",
+        "Latex",
+        "PythonControl",
+        "PythonFunctions",
+        "PythonModel",
+        "Json",
+        "export",
+        "ExportedFile",
+    ),
+    "bondgraph.reporting.differences": ("describe_difference",),
     "bondgraph.errors": ("BondGraphError",),
 }
 _WHERE = {name: home for home, names in _HOME.items() for name in names}
@@ -129,7 +142,20 @@ if TYPE_CHECKING:
         diagnosis_to_dict as diagnosis_to_dict,
     )
     from bondgraph.reporting.diagnosis_json import write_json as write_json
+    from bondgraph.reporting.differences import (
+        describe_difference as describe_difference,
+    )
     from bondgraph.reporting.drawing import draw_svg as draw_svg
+    from bondgraph.reporting.export.exporting import C99 as C99
+    from bondgraph.reporting.export.exporting import ExportedFile as ExportedFile
+    from bondgraph.reporting.export.exporting import Json as Json
+    from bondgraph.reporting.export.exporting import Latex as Latex
+    from bondgraph.reporting.export.exporting import Matlab as Matlab
+    from bondgraph.reporting.export.exporting import Modelica as Modelica
+    from bondgraph.reporting.export.exporting import PythonControl as PythonControl
+    from bondgraph.reporting.export.exporting import PythonFunctions as PythonFunctions
+    from bondgraph.reporting.export.exporting import PythonModel as PythonModel
+    from bondgraph.reporting.export.exporting import export as export
     from bondgraph.reporting.model_text import to_python as to_python
     from bondgraph.reporting.report import report_html as report_html
     from bondgraph.reporting.report import write_report as write_report
