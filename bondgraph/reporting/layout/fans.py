@@ -20,6 +20,7 @@ PASSING = 12.0  # from the middle of a bond to what it passes
 
 _BASE = {Side.ABOVE: 0.0, Side.BELOW: 0.05, Side.RIGHT: 0.9, Side.LEFT: 1.2}
 _IN_A_CORNER = 1.5
+_OUTWARD = 0.6
 _STACKED = 3.0  # a second one beside a node is in the way of those above and below
 
 
@@ -56,6 +57,7 @@ class Hanging:
     sensors: Mapping[str, Sequence[str]]
     sizes: Mapping[str, LabelSize]
     room: Callable[[str], float]  # length of an element's bond that its label needs
+    outward: frozenset[Side] = frozenset()  # sides with nothing of the skeleton beyond
     beside: float = 0.0  # width of what is written beside an upright bond
 
 
@@ -86,8 +88,9 @@ def _sides(taken: frozenset[Side], hanging: Hanging) -> dict[Side, list[str]]:
 
     def cost(side: Side) -> float:
         corner = _IN_A_CORNER if side in taken else 0.0
+        outward = _OUTWARD if side in hanging.outward else 0.0
         each = _STACKED if side in (Side.LEFT, Side.RIGHT) else 1.0
-        return _BASE[side] + each * len(by_side[side]) + corner
+        return _BASE[side] + each * len(by_side[side]) + corner - outward
 
     open_sides = [s for s in _BASE if s in (Side.ABOVE, Side.BELOW) or s not in taken]
     for name in waiting:

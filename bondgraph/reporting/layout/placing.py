@@ -115,6 +115,7 @@ def _fans(
     for bond, length in zip(graph.bonds, sizes.bonds, strict=True):
         room[bond.tail] = room[bond.head] = length
     taken = _taken(graph, grid)
+    outward = _outward(grid)
     return {
         name: fan_of(
             sizes.labels[name].stacked,
@@ -125,6 +126,7 @@ def _fans(
                 sensors=on,
                 sizes=sizes.labels,
                 room=lambda element: room.get(element, 0.0),
+                outward=outward[name],
                 beside=sizes.beside,
             ),
         )
@@ -140,6 +142,25 @@ def _taken(graph: FinishedGraph, grid: Grid) -> Mapping[str, set[Side]]:
         taken[bond.tail].add(_side(route.cells[0], route.cells[1]))
         taken[bond.head].add(_side(route.cells[-1], route.cells[-2]))
     return taken
+
+
+def _outward(grid: Grid) -> Mapping[str, frozenset[Side]]:
+    """Return the sides of every node on which it is the last of the whole grid."""
+    columns, rows = zip(*grid.cells.values(), strict=True)
+    edges = (
+        (Side.LEFT, 0, min(columns), max(columns)),
+        (Side.RIGHT, 0, max(columns), min(columns)),
+        (Side.ABOVE, 1, min(rows), max(rows)),
+        (Side.BELOW, 1, max(rows), min(rows)),
+    )
+    return {
+        name: frozenset(
+            side
+            for side, axis, edge, other in edges
+            if cell[axis] == edge and edge != other
+        )
+        for name, cell in grid.cells.items()
+    }
 
 
 def _side(here: Cell, there: Cell) -> Side:
