@@ -10,6 +10,8 @@ _HOME = {
     "bondgraph.structure.builder": ("BondGraph",),
     "bondgraph.structure.graph": ("CausalPreference", "FinishedGraph", "Wanted"),
     "bondgraph.structure.elements": (
+        "ZeroJunction",
+        "OneJunction",
         *("Se", "Sf", "I", "C", "R", "TF", "GY"),
         *("MSe", "MSf", "MTF", "MGY", "MR"),
     ),
@@ -179,9 +181,11 @@ if TYPE_CHECKING:
     from bondgraph.structure.elements import I as I
     from bondgraph.structure.elements import MSe as MSe
     from bondgraph.structure.elements import MSf as MSf
+    from bondgraph.structure.elements import OneJunction as OneJunction
     from bondgraph.structure.elements import R as R
     from bondgraph.structure.elements import Se as Se
     from bondgraph.structure.elements import Sf as Sf
+    from bondgraph.structure.elements import ZeroJunction as ZeroJunction
     from bondgraph.structure.fields import CField as CField
     from bondgraph.structure.fields import ICField as ICField
     from bondgraph.structure.fields import IField as IField

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 import sympy
 
-from bondgraph.errors import EquationError, StructureError
+from bondgraph.errors import EquationError
 from bondgraph.reporting.model_text import describe_difference, to_python
 from bondgraph.structure.builder import BondGraph
 from bondgraph.structure.edits import (
@@ -178,11 +178,22 @@ def test_hostile_names_stay_text() -> None:
     assert remade(to_python(finished)) == finished
 
 
-def test_a_reversed_half_arrow_is_refused_with_its_name() -> None:
+def test_a_graph_put_together_by_hand_is_written_bond_by_bond() -> None:
     graph = ladder()
     bonds = tuple(Bond(b.head, b.tail) if b.head == "m2" else b for b in graph.bonds)
-    with pytest.raises(StructureError, match="bonds at 'm2' have"):
-        to_python(replace(graph, bonds=bonds))
+    turned = replace(graph, bonds=bonds)
+    text = to_python(turned)
+    assert 'graph.bond("m2", ' in text
+    assert remade(text) == turned
+
+
+def test_bonds_between_elements_keep_their_domain() -> None:
+    graph = BondGraph("tower", domain="hydraulic")
+    graph.add(C("tank"), TF("ram"), R("brake"))
+    graph.bond("tank", "ram")
+    graph.bond("ram", "brake", domain="translation")
+    finished = graph.finish()
+    assert remade(to_python(finished)) == finished
 
 
 def test_a_function_sympy_does_not_know_is_refused() -> None:

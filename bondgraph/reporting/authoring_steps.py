@@ -9,7 +9,6 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from bondgraph.errors import StructureError
 from bondgraph.structure.elements import (
     EffortSource,
     FlowSource,
@@ -53,19 +52,38 @@ class JoinJunctions:
     head: str
 
 
-AuthoringStep = AddJunction | PutElement | JoinJunctions
+@dataclass(frozen=True, slots=True)
+class AddNode:
+    """``add(node)``: a node without bonds."""
+
+    node: Node
+
+
+@dataclass(frozen=True, slots=True)
+class DrawBond:
+    """``bond(tail, head)``."""
+
+    bond: Bond
+
+
+AuthoringStep = AddJunction | PutElement | JoinJunctions | AddNode | DrawBond
+
+
+class _UnusualError(Exception):
+    """The bonds have a direction or an order that put and join do not make."""
 
 
 def authoring_steps(graph: FinishedGraph) -> tuple[AuthoringStep, ...]:
     """Return the calls that write `graph`, in its own order.
 
-    Raises
-    ------
-    StructureError
-        If no calls would, because the graph was put together by hand: a half arrow
-        out of an I, or an order of bonds that no calls give.
+    A graph that was put together bond by bond (a half arrow out of an I, a bond between
+    two elements) is written so too.
     """
-    return tuple(_steps(graph))
+    try:
+        return tuple(_steps(graph))
+    except _UnusualError:
+        nodes = (AddNode(node) for node in graph.nodes)
+        return (*nodes, *map(DrawBond, graph.bonds))
 
 
 def _steps(graph: FinishedGraph) -> Iterator[AuthoringStep]:
@@ -77,19 +95,19 @@ def _steps(graph: FinishedGraph) -> Iterator[AuthoringStep]:
             yield JoinJunctions(plain.tail, None, plain.head)
             continue
         if not nodes:
-            raise _unwritable(graph, bonds[0].name)
+            raise _UnusualError
         node = nodes.popleft()
         match node:
             case ZeroJunction() | OneJunction():
                 known.add(node.name)
                 yield AddJunction(node, tuple(_hung(node.name, nodes, bonds)))
             case Transformer() | Gyrator():
-                yield _join(graph, node, bonds, known)
+                yield _join(node, bonds, known)
             case _:
                 assert isinstance(node, OnePort | MultiPort)
                 junctions = _junctions_of(node, bonds)
                 if not known.issuperset(junctions):
-                    raise _unwritable(graph, node.name)
+                    raise _UnusualError
                 yield PutElement(node, junctions)
 
 
@@ -121,22 +139,10 @@ def _junctions_of(element: OnePort | MultiPort, bonds: deque[Bond]) -> tuple[str
     return tuple(junctions) or ("",)
 
 
-def _join(
-    graph: FinishedGraph, two_port: TwoPort, bonds: deque[Bond], known: set[str]
-) -> JoinJunctions:
+def _join(two_port: TwoPort, bonds: deque[Bond], known: set[str]) -> JoinJunctions:
     if len(bonds) >= 2:
         first, second = bonds.popleft(), bonds.popleft()
         through = first.head == second.tail == two_port.name
         if through and {first.tail, second.head} <= known:
             return JoinJunctions(first.tail, two_port, second.head)
-    raise _unwritable(graph, two_port.name)
-
-
-def _unwritable(graph: FinishedGraph, name: str) -> StructureError:
-    return StructureError(
-        f"{graph.name!r} cannot be written as calls of BondGraph: the bonds at "
-        f"{name!r} have a direction or an order that no call makes.",
-        (name,),
-        "Write it with BondGraph: power out of sources, into I, C and R, and through "
-        "a TF or GY.",
-    )
+    raise _UnusualError

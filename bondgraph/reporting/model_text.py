@@ -13,7 +13,9 @@ import sympy
 from bondgraph.errors import StructureError
 from bondgraph.reporting.authoring_steps import (
     AddJunction,
+    AddNode,
     AuthoringStep,
+    DrawBond,
     JoinJunctions,
     PutElement,
     authoring_steps,
@@ -33,6 +35,7 @@ from bondgraph.structure.domains import ANALOGUE, DOMAINS, EnergyDomain
 from bondgraph.structure.elements import (
     EffortSource,
     FlowSource,
+    Junction,
     Node,
     OneJunction,
     letter,
@@ -52,7 +55,7 @@ _TAKEN = frozenset(
         *("effort", "flow", "momentum", "displacement", "BondGraph"),
         *("Parameter", "ParameterSet", "Assumed", "Measured", "Published", "Fitted"),
         *("Reconciled", "Se", "Sf", "I", "C", "R", "TF", "GY", "port"),
-        *("IField", "CField", "ICField", "RField"),
+        *("IField", "CField", "ICField", "RField", "ZeroJunction", "OneJunction"),
     )
 )
 
@@ -73,8 +76,7 @@ def to_python(graph: FinishedGraph) -> str:
     Raises
     ------
     StructureError
-        If the graph was put together by hand in a way the authoring language has no
-        words for, such as a half arrow out of an I.
+        If a junction joins bonds of two energy domains.
     EquationError
         If a law cannot be written as Python text.
     """
@@ -102,6 +104,9 @@ def to_python(graph: FinishedGraph) -> str:
 def _imports(graph: FinishedGraph, function: str) -> str:
     needed = {"BondGraph"} | parameter_names_needed(graph)
     needed |= {_constructor(element) for element in graph.elements}
+    for step in authoring_steps(graph):
+        if isinstance(step, AddNode):
+            needed.add(_constructor(step.node))
     for law in _written_laws(graph):
         needed |= names_needed(law)
     for measurement in graph.measurements:
@@ -162,6 +167,17 @@ def _step(
         case JoinJunctions(tail, two_port, head):
             between = () if two_port is None else (_element(two_port, variables),)
             return call("graph.join", (quoted(tail), *between, quoted(head)))
+        case AddNode(node):
+            own = domains.get(node.name, default)
+            of = () if own == default else (f"domain={quoted(own.name)}",)
+            return call("graph.add", (_element(node, variables), *of))
+        case DrawBond(bond):
+            ends = [quoted(bond.tail), quoted(bond.head)]
+            own = domains.get(bond.name, default)
+            touched = {bond.tail, bond.head} & domains.keys()
+            if own != default and not touched:
+                ends.append(f"domain={quoted(own.name)}")
+            return call("graph.bond", ends)
 
 
 def _element(element: Node, variables: Mapping[str, str]) -> str:
@@ -181,6 +197,8 @@ def _element(element: Node, variables: Mapping[str, str]) -> str:
 
 
 def _constructor(element: Node) -> str:
+    if isinstance(element, Junction):
+        return type(element).__name__
     return letter(element) + ("Field" if isinstance(element, MultiPort) else "")
 
 
@@ -201,7 +219,7 @@ def _measurement(
 
 
 def _junction_domains(graph: FinishedGraph) -> dict[str, EnergyDomain]:
-    """Return the domain each junction was written in, where its bonds tell.
+    """Return the domain of each junction, and of each bond that touches none.
 
     A bond has the domain of the junction it was written at: of its tail for a plain
     bond, else of its only junction.
@@ -210,6 +228,7 @@ def _junction_domains(graph: FinishedGraph) -> dict[str, EnergyDomain]:
     domains: dict[str, EnergyDomain] = {}
     for bond, domain in zip(graph.bonds, graph.domains, strict=True):
         junction = bond.tail if bond.tail in junctions else bond.head
+        junction = junction if junction in junctions else bond.name
         if domains.setdefault(junction, domain) != domain:
             raise StructureError(
                 f"The junction {junction!r} joins bonds of {domains[junction].name} "
