@@ -191,7 +191,7 @@ def _element(element: Node, variables: Mapping[str, str]) -> str:
         )
         return f"{_constructor(element)}({name}, ({', '.join(laws)},){kinds})"
     if not laws:
-        return f"{letter(element)}({name})"
+        return f"{_constructor(element)}({name})"
     keyword = "value" if isinstance(element, EffortSource | FlowSource) else "law"
     return f"{letter(element)}({name}, {keyword}={laws[0]})"
 
