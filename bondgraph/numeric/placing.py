@@ -47,12 +47,11 @@ def placed(
                 (name,),
                 did_you_mean(name, known),
             )
-    put = {parameter_symbol(n): sympy.Float(v) for n, v in values.items()}
     arrays = {
-        group: np.array([_number(given.get(name, 0.0), put) for name in names])
+        group: np.array([_number(given.get(name, 0.0), values) for name in names])
         for group, names in groups.items()
     }
-    return Point(p=numbers, t=_number(given.get("t", 0.0), put), **arrays)
+    return Point(p=numbers, t=_number(given.get("t", 0.0), values), **arrays)
 
 
 def parameter_values(
@@ -69,15 +68,17 @@ def parameter_values(
     return np.array([float(values[p.name]) for p in equations.parameters])
 
 
-def _number(value: object, put: Mapping[sympy.Symbol, sympy.Expr]) -> float:
+def _number(value: object, parameters: Mapping[str, float]) -> float:
     if isinstance(value, int | float):
         return float(value)
-    number = sympy.sympify(value).xreplace(put)
-    if number.free_symbols:
+    expression = sympy.sympify(value)
+    names = sorted(map(str, expression.free_symbols))
+    missing = tuple(name for name in names if name not in parameters)
+    if missing:
         raise ParameterError(
-            f"The operating point {value} needs a value of "
-            f"{', '.join(sorted(map(str, number.free_symbols)))}.",
-            tuple(sorted(map(str, number.free_symbols))),
+            f"The operating point {value} needs a value of {', '.join(missing)}.",
+            missing,
             "Give one for every parameter in it.",
         )
-    return float(number)
+    put = {parameter_symbol(name): sympy.Float(parameters[name]) for name in names}
+    return float(expression.xreplace(put))

@@ -338,7 +338,7 @@ def part(tape: Tape, first: int, last: int, active: Sequence[bool]) -> Tape:
     for i, (op, a, b, c) in enumerate(old):
         if used[start + i]:
             where[start + i] = n + len(kept) + len(code)
-            exponent = op == Op.POWI.value
+            exponent = op == _POWI
             code.append((op, where[a], b if exponent else where[b], where[c]))
     shorter = Tape(
         n_variables=n,
