@@ -86,11 +86,13 @@ def ours(name: str, stages: int) -> tuple[float, float, np.ndarray]:
     return numbers, symbols, A.toarray()
 
 
-def compared(venv: Path, stages: list[int], limit: float) -> list[dict[str, Any]]:
+def compared(
+    venv: Path, families: list[str], stages: list[int], limit: float
+) -> list[dict[str, Any]]:
     """Run every tool on every machine."""
     ours("msd", 2)
     records: list[dict[str, Any]] = []
-    for name in FAMILIES:
+    for name in families:
         for size in stages:
             numbers, symbols, A = ours(name, size)
             for tool in PEERS:
@@ -107,7 +109,8 @@ def compared(venv: Path, stages: list[int], limit: float) -> list[dict[str, Any]
                     record |= {"equal": bool(apart < EQUAL)}
                     record |= {"ratio": said["seconds"] / mine}
                 records.append(record)
-                print(record, file=sys.stderr)
+                text = json.dumps(records, indent=1) + "\n"
+                (RESULTS / "peers.json").write_text(text, "utf-8")
     return records
 
 
@@ -116,6 +119,7 @@ def main() -> None:
     parser.add_argument("--venv", type=Path, required=True)
     parser.add_argument("--make", action="store_true", help="create and fill it")
     parser.add_argument("--stages", type=int, nargs="*", default=[5, 10, 20, 40])
+    parser.add_argument("--families", nargs="*", default=list(FAMILIES))
     parser.add_argument("--limit", type=float, default=300.0, metavar="SECONDS")
     chosen = parser.parse_args()
     here = Path(__file__).resolve().parent.parent
@@ -125,9 +129,8 @@ def main() -> None:
         make(chosen.venv)
     if not (chosen.venv / "bin" / "python").exists():
         raise SystemExit(f"There is no environment in {chosen.venv}; add --make.")
-    records = compared(chosen.venv, chosen.stages, chosen.limit)
     RESULTS.mkdir(exist_ok=True)
-    (RESULTS / "peers.json").write_text(json.dumps(records, indent=1) + "\n", "utf-8")
+    records = compared(chosen.venv, chosen.families, chosen.stages, chosen.limit)
     print_machine()
     rows = [
         (

@@ -177,7 +177,7 @@ def implicit_system(graph: FinishedGraph, *, merged: bool = True) -> ImplicitSys
     rows.one_ports()
     rows.measurements()
     n_columns = n_powers + rows.n_states
-    reading = rows.reading
+    inputs = graph.inputs
     parameters = rows.parameters
     return ImplicitSystem(
         places=places,
@@ -185,17 +185,17 @@ def implicit_system(graph: FinishedGraph, *, merged: bool = True) -> ImplicitSys
         storages=rows.readings.storages,
         state_names=tuple(rows.state_names),
         state_units=tuple(rows.state_units),
-        input_names=tuple(source.name for source in graph.inputs),
-        input_units=tuple(graph.input_unit(source.name) for source in graph.inputs),
+        input_names=tuple(source.name for source in inputs),
+        input_units=tuple(graph.input_unit(source.name) for source in inputs),
         output_names=tuple(m.name for m in graph.measurements),
         output_units=tuple(m.unit for m in graph.measurements),
         owners=rows.owners(),
         columns=columns,
         constant=rows.entries.matrix(rows.n_rows, n_columns),
         laws=grouped(rows.laws, parameters),
-        inputs=rows.input_entries.matrix(rows.n_rows, len(graph.inputs)),
+        inputs=rows.input_entries.matrix(rows.n_rows, len(inputs)),
         rate_columns=np.array(rows.rate_columns, np.int64),
         rate_signs=np.array(rows.rate_signs, float),
-        reading=reading.matrix(len(graph.measurements), n_columns),
+        reading=rows.reading.matrix(len(graph.measurements), n_columns),
         reading_laws=grouped(rows.reading_laws, parameters),
     )
