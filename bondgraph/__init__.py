@@ -54,7 +54,13 @@ _HOME = {
     "bondgraph.fitting.simulate": ("Solution", "SolveStatus", "simulate"),
     "bondgraph.diagnosis.diagnose": ("Options", "diagnose"),
     "bondgraph.diagnosis.records": ("Diagnosis", "Verdict"),
-    "bondgraph.reporting.drawing": ("draw_svg",),
+    "bondgraph.reporting.drawing": (
+        "draw_png",
+        "Colouring",
+        "BondLabels",
+        "Theme",
+        "draw_svg",
+    ),
     "bondgraph.reporting.diagnosis_json": ("diagnosis_to_dict", "write_json"),
     "bondgraph.reporting.model_text": ("to_python",),
     "bondgraph.reporting.report": ("report_html", "write_report"),
@@ -147,6 +153,10 @@ if TYPE_CHECKING:
     from bondgraph.reporting.differences import (
         describe_difference as describe_difference,
     )
+    from bondgraph.reporting.drawing import BondLabels as BondLabels
+    from bondgraph.reporting.drawing import Colouring as Colouring
+    from bondgraph.reporting.drawing import Theme as Theme
+    from bondgraph.reporting.drawing import draw_png as draw_png
     from bondgraph.reporting.drawing import draw_svg as draw_svg
     from bondgraph.reporting.export.exporting import C99 as C99
     from bondgraph.reporting.export.exporting import ExportedFile as ExportedFile
