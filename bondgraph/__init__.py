@@ -33,9 +33,14 @@ _HOME = {
     ),
     "bondgraph.causality.assignment": ("assign_causality",),
     "bondgraph.equations.derivation": ("derive",),
-    "bondgraph.equations.linear": ("linearise",),
+    "bondgraph.equations.linear": (
+        "LinearSystem",
+        "linearise",
+    ),
     "bondgraph.equations.rendering": ("as_text", "as_latex"),
     "bondgraph.numeric.state_space": (
+        "SparseStateSpace",
+        "sparse_state_space",
         *("StateSpace", "state_space"),
         *("to_control", "transfer_function_to_control"),
     ),
@@ -92,6 +97,21 @@ _HOME = {
         "ExportedFile",
     ),
     "bondgraph.reporting.differences": ("describe_difference",),
+    "bondgraph.equations.transfer_function": ("TransferFunction",),
+    "bondgraph.equations.factors": ("PoleZeroGain",),
+    "bondgraph.equations.transfer_matrix": ("TransferMatrix",),
+    "bondgraph.equations.descriptor": (
+        "descriptor",
+        "DescriptorSystem",
+    ),
+    "bondgraph.equations.sensitivities": (
+        "sensitivities",
+        "Sensitivities",
+    ),
+    "bondgraph.equations.steady_state": ("SteadyState",),
+    "bondgraph.numeric.steady_state": ("steady_state",),
+    "bondgraph.numeric.jacobian": ("jacobian",),
+    "bondgraph.numeric.nonlinear_io": ("to_nonlinear_io",),
     "bondgraph.errors": ("BondGraphError",),
 }
 _WHERE = {name: home for home, names in _HOME.items() for name in names}
@@ -107,10 +127,14 @@ if TYPE_CHECKING:
     from bondgraph.diagnosis.records import Diagnosis as Diagnosis
     from bondgraph.diagnosis.records import Verdict as Verdict
     from bondgraph.equations.derivation import derive as derive
+    from bondgraph.equations.descriptor import DescriptorSystem as DescriptorSystem
+    from bondgraph.equations.descriptor import descriptor as descriptor
     from bondgraph.equations.energy import EnergyBalance as EnergyBalance
     from bondgraph.equations.energy import energy as energy
+    from bondgraph.equations.factors import PoleZeroGain as PoleZeroGain
     from bondgraph.equations.invariants import Invariants as Invariants
     from bondgraph.equations.invariants import invariants as invariants
+    from bondgraph.equations.linear import LinearSystem as LinearSystem
     from bondgraph.equations.linear import linearise as linearise
     from bondgraph.equations.port_hamiltonian import PortHamiltonian as PortHamiltonian
     from bondgraph.equations.port_hamiltonian import (
@@ -118,6 +142,13 @@ if TYPE_CHECKING:
     )
     from bondgraph.equations.rendering import as_latex as as_latex
     from bondgraph.equations.rendering import as_text as as_text
+    from bondgraph.equations.sensitivities import Sensitivities as Sensitivities
+    from bondgraph.equations.sensitivities import sensitivities as sensitivities
+    from bondgraph.equations.steady_state import SteadyState as SteadyState
+    from bondgraph.equations.transfer_function import (
+        TransferFunction as TransferFunction,
+    )
+    from bondgraph.equations.transfer_matrix import TransferMatrix as TransferMatrix
     from bondgraph.errors import BondGraphError as BondGraphError
     from bondgraph.fitting.estimate import Settings as Settings
     from bondgraph.fitting.estimate import fit as fit
@@ -132,12 +163,17 @@ if TYPE_CHECKING:
     from bondgraph.fitting.simulate import simulate as simulate
     from bondgraph.loading import load_model as load_model
     from bondgraph.notebook import load_ipython_extension as load_ipython_extension
+    from bondgraph.numeric.jacobian import jacobian as jacobian
+    from bondgraph.numeric.nonlinear_io import to_nonlinear_io as to_nonlinear_io
+    from bondgraph.numeric.state_space import SparseStateSpace as SparseStateSpace
     from bondgraph.numeric.state_space import StateSpace as StateSpace
+    from bondgraph.numeric.state_space import sparse_state_space as sparse_state_space
     from bondgraph.numeric.state_space import state_space as state_space
     from bondgraph.numeric.state_space import to_control as to_control
     from bondgraph.numeric.state_space import (
         transfer_function_to_control as transfer_function_to_control,
     )
+    from bondgraph.numeric.steady_state import steady_state as steady_state
     from bondgraph.recordings.binding import BoundRecording as BoundRecording
     from bondgraph.recordings.binding import bind as bind
     from bondgraph.recordings.frames import from_pandas as from_pandas

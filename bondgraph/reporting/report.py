@@ -33,7 +33,6 @@ from bondgraph.reporting.wording import (
     with_deviation,
     with_unit,
 )
-from bondgraph.structure.graph import FinishedGraph
 
 if TYPE_CHECKING:
     import jinja2
@@ -138,14 +137,10 @@ def diagnosis_picture(diagnosis: Diagnosis) -> str:
     inserted = set(model.by_name) - set(diagnosis.model_before.by_name)
     return draw_svg(
         model,
-        assignment=_strokes(model),
+        assignment=assign_causality(model),
         blame=diagnosis.blame,
         highlight=inserted,
     )
-
-
-def _strokes(graph: FinishedGraph) -> dict[str, str]:
-    return {s.bond.name: s.at for s in assign_causality(graph).strokes}
 
 
 def _recordings(diagnosis: Diagnosis) -> dict[str, list[_ChannelCharts]]:
