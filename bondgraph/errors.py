@@ -61,6 +61,10 @@ class FitError(BondGraphError):
     """A fit cannot be set up or did not end in an answer."""
 
 
+class LoopShapingError(BondGraphError):
+    """A loop cannot be measured, or its controller not be sized as asked."""
+
+
 class CheckError(BondGraphError):
     """A check file cannot be understood."""
 
