@@ -71,4 +71,28 @@ def partial_derivative(expression: sympy.Expr, symbol: sympy.Symbol) -> sympy.Ex
         rest = expression / symbol
         if symbol not in rest.free_symbols:
             return rest
-    return expression.diff(symbol)
+    return derivative(expression, symbol)
+
+
+def derivative(expression: sympy.Expr, symbol: sympy.Symbol) -> sympy.Expr:
+    """Return d(expression)/d(symbol), also where sympy cannot see that all is real.
+
+    Of ``Abs(log(x))`` sympy leaves an unevaluated derivative, because the logarithm
+    may be complex. Every quantity of a graph is real: |g|' = sign(g) g'.
+    """
+    found = expression.diff(symbol)
+    if not found.has(sympy.Derivative, sympy.Subs):
+        return found
+    kinked = {a for a in expression.atoms(sympy.Abs, sympy.sign) if a.has(symbol)}
+    outer = [
+        a for a in kinked if not any(a in b.args[0].atoms(type(a)) for b in kinked)
+    ]
+    put = {a: sympy.Dummy(real=True) for a in outer}
+    back = {dummy: a for a, dummy in put.items()}
+    opened = expression.xreplace(put)
+    terms = [opened.diff(symbol)]
+    for a, dummy in put.items():
+        if isinstance(a, sympy.Abs):
+            inner = derivative(a.args[0], symbol)
+            terms.append(opened.diff(dummy) * sympy.sign(a.args[0]) * inner)
+    return sympy.Add(*terms).xreplace(back)

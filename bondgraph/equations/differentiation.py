@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 
 import sympy
 
+from bondgraph.equations.chain_rule import derivative
 from bondgraph.equations.wires import SymbolNames
 from bondgraph.structure import signals
 
@@ -95,7 +96,7 @@ class TimeDerivative:
 
     def _total(self, expression: sympy.Expr) -> sympy.Expr:
         terms = [
-            expression.diff(symbol) * self._known[symbol]
+            derivative(expression, symbol) * self._known[symbol]
             for symbol in self._read(expression)
             if symbol != signals.t and self._known[symbol] != 0
         ]

@@ -32,7 +32,7 @@ _LINEAR: dict[type, tuple[sympy.Symbol, sympy.Symbol]] = {
     Inertance: (signals.p, signals.f),
     Compliance: (signals.q, signals.e),
 }
-_KINKED = (sympy.Abs, sympy.sign, sympy.Max, sympy.Min, sympy.Piecewise)
+_JUMPING = (sympy.sign, sympy.Max, sympy.Min, sympy.Piecewise)
 
 
 class Laws:
@@ -69,8 +69,12 @@ class Laws:
             return relation.expression
         found = inverse(relation.expression, relation.argument, relation.output)
         if found is None:
-            found = self._inverse_for_signs(relation)
-        return found
+            twins = self._twins(relation.expression)
+            law = relation.expression.xreplace(twins)
+            found = inverse(law, relation.argument, relation.output)
+            if found is not None:
+                found = found.xreplace({twin: x for x, twin in twins.items()})
+        return self._inverse_for_signs(relation) if found is None else found
 
     def smooth(
         self,
@@ -82,7 +86,7 @@ class Laws:
         found = self.explicit(element, wanted, own)
         if found is None or element.law is None or wanted == element.relation.output:
             return found
-        return None if found.has(*_KINKED) else found
+        return None if found.has(*_JUMPING) else found
 
     def _inverse_for_signs(self, relation: Relation) -> sympy.Expr | None:
         for method in (self._dry_friction, self._rising_pieces):
@@ -165,6 +169,12 @@ class Laws:
         modulus = {sympy.sign(argument): sympy.Abs(argument) / argument}
         signed = self._with_signs(slope.xreplace(modulus).expand())
         signed = signed.replace(_is_squared_tanh, _by_cosh)
+        if not any(step.has(argument) for step in signed.atoms(sympy.Heaviside)):
+            return self._has_one_sign(signed, argument)
+        # A step is 0 or 1: the slope must have one sign on both sides of it.
+        return self._has_one_sign(signed.replace(sympy.Heaviside, _some_step), argument)
+
+    def _has_one_sign(self, signed: sympy.Expr, argument: sympy.Symbol) -> bool:
         for form in (signed, sympy.expand(signed)):
             if form.is_positive or form.is_negative:
                 return True
@@ -173,7 +183,7 @@ class Laws:
             flat = form.has(
                 sympy.Heaviside, sympy.Piecewise, sympy.Max, sympy.Min, sympy.sign
             )
-            if one_sign and not flat and argument in slope.free_symbols:
+            if one_sign and not flat and argument in form.free_symbols:
                 return True
         return False
 
@@ -210,13 +220,14 @@ class Laws:
 
     def _with_signs(self, expression: sympy.Expr) -> sympy.Expr:
         """Return `expression` with parameters that know their sign."""
-        return expression.xreplace(
-            {
-                symbol: self._twin(symbol)
-                for symbol in expression.free_symbols
-                if not is_port_variable(symbol)
-            }
-        )
+        return expression.xreplace(self._twins(expression))
+
+    def _twins(self, expression: sympy.Expr) -> dict[sympy.Symbol, sympy.Symbol]:
+        return {
+            symbol: self._twin(symbol)
+            for symbol in expression.free_symbols
+            if not is_port_variable(symbol)
+        }
 
     def _twin(self, symbol: sympy.Symbol) -> sympy.Symbol:
         """Return a twin of a parameter that knows the sign its value and bounds give.
@@ -247,6 +258,10 @@ def _upper_edge(condition: sympy.Basic, x: sympy.Symbol) -> sympy.Expr | None:
     else:
         return None
     return large if small == x and not large.has(x) else None
+
+
+def _some_step(*_: sympy.Expr) -> sympy.Symbol:
+    return sympy.Dummy(nonnegative=True)
 
 
 def _is_squared_tanh(expression: sympy.Expr) -> bool:

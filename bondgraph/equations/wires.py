@@ -163,6 +163,14 @@ class Wires:
         """
         is_effort = quantity in (Quantity.EFFORT, Quantity.MOMENTUM)
         node = self.nodes.get(place)
+        bond = self.graph.port_bond(place)
+        if bond is not None:
+            port = self._oriented(
+                place.partition("[")[0], self.bond_index[bond], inward=True
+            )
+            if is_effort:
+                return port.effort, port.effort_sign
+            return port.flow, port.flow_sign
         if node is None:
             i = self.bond_index[place]
         elif is_one_port(node):

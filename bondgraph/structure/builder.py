@@ -8,7 +8,7 @@ author calls methods on a `BondGraph`; everything else works on the checked, fro
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import count, pairwise
 
 import sympy
 
@@ -433,6 +433,11 @@ class BondGraph:
         for bond, domain in self._bonds:
             for place in (bond.tail, bond.head, bond.name):
                 found.setdefault(place, domain)
+        at = {node.name: iter(count(1)) for node in self._nodes}
+        fields = {n.name: n for n in self._nodes if isinstance(n, MultiPort)}
+        for bond, domain in self._bonds:
+            for end in fields.keys() & {bond.tail, bond.head}:
+                found[fields[end].port(next(at[end]))] = domain
         return found
 
     def __repr__(self) -> str:

@@ -15,6 +15,7 @@ import sympy
 
 from bondgraph.errors import StructureError
 from bondgraph.structure import signals
+from bondgraph.structure.domains import Quantity
 from bondgraph.structure.relations import Relation
 from bondgraph.structure.signals import (
     PORT_VARIABLES,
@@ -23,6 +24,12 @@ from bondgraph.structure.signals import (
     signals_in,
 )
 
+_PORT_VARIABLE = {
+    Quantity.EFFORT: signals.e,
+    Quantity.FLOW: signals.f,
+    Quantity.MOMENTUM: signals.p,
+    Quantity.DISPLACEMENT: signals.q,
+}
 _TAKEN = frozenset({"e", "f", "p", "q", "t"})
 
 
@@ -88,8 +95,24 @@ class _WithRelation(Named):
     def __post_init__(self) -> None:
         Named.__post_init__(self)
         if self.law is not None:
-            object.__setattr__(self, "law", canonical(self.law))
+            object.__setattr__(self, "law", self._in_own_variables(self.law))
             assert self.relation is not None  # refuses a law in the wrong variables
+
+    def _in_own_variables(self, law: sympy.Expr) -> sympy.Expr:
+        """Return the law with what it reads of this very element by port variables.
+
+        ``displacement("spring")`` in the law of the C ``spring``, written in q, is q.
+        """
+        law = canonical(law)
+        own = {
+            signal: _PORT_VARIABLE[signal.quantity]
+            for signal in signals_in(law)
+            if signal.place == self.name
+        }
+        written = {s for s in law.free_symbols if signals.is_port_variable(s)}
+        usual = {self._small if isinstance(self, Resistance) else self._big}
+        same = {s: v for s, v in own.items() if v in (written or usual)}
+        return law.xreplace(same) if same else law
 
     @property
     def relation(self) -> Relation:

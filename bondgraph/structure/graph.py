@@ -19,6 +19,7 @@ from bondgraph.structure.elements import (
     Node,
     is_one_port,
 )
+from bondgraph.structure.fields import MultiPort
 from bondgraph.structure.nodes import laws_of, parameters_of
 from bondgraph.structure.parameters import Parameter, ParameterSet
 from bondgraph.structure.signals import parameters_in
@@ -97,6 +98,7 @@ class FinishedGraph:
     _nodes: dict[str, Node] = field(init=False, repr=False, compare=False)
     _bonds_at: dict[str, list[int]] = field(init=False, repr=False, compare=False)
     _bond: dict[str, int] = field(init=False, repr=False, compare=False)
+    _port: dict[str, str] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         at: dict[str, list[int]] = {node.name: [] for node in self.nodes}
@@ -107,7 +109,16 @@ class FinishedGraph:
         object.__setattr__(self, "_bonds_at", at)
         names = {bond.name: i for i, bond in enumerate(self.bonds)}
         object.__setattr__(self, "_bond", names)
+        object.__setattr__(self, "_port", self._field_ports())
         check_graph(self)
+
+    def _field_ports(self) -> dict[str, str]:
+        return {
+            node.port(k + 1): self.bonds[i].name
+            for node in self.nodes
+            if isinstance(node, MultiPort)
+            for k, i in enumerate(self._bonds_at[node.name][: node.size])
+        }
 
     @property
     def by_name(self) -> Mapping[str, Node]:
@@ -131,10 +142,15 @@ class FinishedGraph:
 
     def has_place(self, name: str) -> bool:
         """Return whether there is a node or bond called `name`."""
-        return name in self._nodes or name in self._bond
+        return name in self._nodes or name in self._bond or name in self._port
+
+    def port_bond(self, name: str) -> str | None:
+        """Return the bond at the field's port called ``field[1]``, if it is one."""
+        return self._port.get(name)
 
     def domain_at(self, name: str) -> EnergyDomain:
         """Return the domain of a junction or one-port (of its first bond) or bond."""
+        name = self._port.get(name, name)
         bonds = self._bonds_at.get(name) or [self._bond.get(name, -1)]
         if bonds[0] < 0:
             raise StructureError(f"{name!r} has no bond.", (name,), "Connect it.")

@@ -72,8 +72,7 @@ def _peeled(
     power = _odd_power(expression, argument)
     if power is not None:
         factor, exponent = power
-        root = _signed_root(value / factor, exponent)
-        return None if root is None else (argument, root)
+        return argument, _signed_root(value / factor, exponent)
     if expression.is_Mul:
         rest, inner = expression.as_independent(argument, as_Add=False)
         return None if inner.is_Mul else (inner, value / rest)
@@ -97,23 +96,18 @@ def _peeled_power(
     base, exponent = power.base, power.exp
     if not exponent.has(argument):
         odd = exponent.is_Integer and exponent % 2 == 1 and exponent > 0
-        root = _signed_root(value, exponent) if odd else None
-        return None if root is None else (base, root)
+        return (base, _signed_root(value, exponent)) if odd else None
     if base.is_number and base.is_positive and base != 1:
         return exponent, sympy.log(value) / sympy.log(base)
     return None
 
 
-def _signed_root(value: sympy.Expr, exponent: sympy.Expr) -> sympy.Expr | None:
-    """Return the real v with ``sign(v) |v|ⁿ = value``, or None if it may not be real.
-
-    Of a logarithm sympy does not know that it is real, and could not differentiate the
-    sign of it.
-    """
+def _signed_root(value: sympy.Expr, exponent: sympy.Expr) -> sympy.Expr:
+    """Return the real v with ``sign(v) |v|ⁿ = value``."""
     if exponent == 1:
         return value
-    if not value.is_extended_real:
-        return None
+    if exponent.is_number and exponent < 1:  # smooth, and without a sign
+        return value * sympy.Abs(value) ** (1 / exponent - 1)
     return sympy.sign(value) * sympy.Abs(value) ** (1 / exponent)
 
 
