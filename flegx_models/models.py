@@ -3,7 +3,8 @@
 Motor, worm and joint are 1-junctions on one rigid train; the gearbox and the worm gear
 are transformers between them. In stance the joint also lifts the support: the
 transformer of eq. 4.20 and 4.21 leads from the vertical motion of motors and support
-to the joint, with the modulus ∓2 L sin θ0.
+to the joint, with the modulus ∓2 L sin θ0 or, in `flegx_models.nonlinear_stance`,
+2 L sin θ of the moving angle.
 
 The input is the motor torque ``T_motor``, the output the joint angle ``theta``. No gain
 and no number is written here; see `flegx_models.parameters`.
@@ -15,6 +16,7 @@ from bondgraph import TF, BondGraph, I, ParameterSet, R, Se
 from flegx_models.parameters import RECONCILED
 
 _L, _THETA_0 = sympy.symbols("L theta_0")
+_LEVER = 2 * _L * sympy.sin(_THETA_0)  # eq. 4.20
 
 
 def lowerleg_flight(parameters: ParameterSet = RECONCILED) -> BondGraph:
@@ -31,26 +33,40 @@ def upperleg_flight(parameters: ParameterSet = RECONCILED) -> BondGraph:
     return _finished(leg, parameters)
 
 
-def lowerleg_stance(parameters: ParameterSet = RECONCILED) -> BondGraph:
+def lowerleg_stance(
+    parameters: ParameterSet = RECONCILED, lever: sympy.Expr = -_LEVER
+) -> BondGraph:
     """Return the lower leg lifting the support (figure 4.4, eq. 4.25 to 4.30).
 
     ``m_lowerleg`` is the thesis's name for all leg mass that moves with the support.
+
+    Parameters
+    ----------
+    lever
+        Speed of the support per speed of the joint, m/rad; eq. 4.21 linearised.
     """
     leg = _train("lowerleg, stance phase")
     _lowerleg_joint(leg)
-    _support(leg, "m_lowerleg", -2 * _L * sympy.sin(_THETA_0))
+    _support(leg, "m_lowerleg", lever)
     return _finished(leg, parameters)
 
 
-def upperleg_stance(parameters: ParameterSet = RECONCILED) -> BondGraph:
+def upperleg_stance(
+    parameters: ParameterSet = RECONCILED, lever: sympy.Expr = _LEVER
+) -> BondGraph:
     """Return the upper leg lifting the support (figure 4.5, eq. 4.31 to 4.35).
 
     The friction e9 is missing from the list of equations in section 4.3.2 but present
     in eq. 4.33 to 4.35, and here.
+
+    Parameters
+    ----------
+    lever
+        Speed of the support per speed of the joint, m/rad; eq. 4.20 linearised.
     """
     leg = _train("upperleg, stance phase")
     _upperleg_joint(leg)
-    _support(leg, "m_upperleg", 2 * _L * sympy.sin(_THETA_0))
+    _support(leg, "m_upperleg", lever)
     return _finished(leg, parameters)
 
 

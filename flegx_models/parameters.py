@@ -31,7 +31,7 @@ where Table 2.3 prints 9.67 and its teeth give 29/3.
 
 import math
 
-from bondgraph import Parameter, ParameterSet, Published, Reconciled
+from bondgraph import Assumed, Parameter, ParameterSet, Published, Reconciled
 
 _THESIS = "FlegX thesis"
 _ROTATIONAL_INERTIA = "kg*m^2"
@@ -158,6 +158,32 @@ PRINTED = ParameterSet(
             "section 4.3.1: the sum of lowerleg and upperleg, 0.61 + 1.93",
         ),
         _read("m_upperleg", _M_UPPERLEG_LINK, "kg", _HALF_GRAM_10, "section 3.3.3"),
+        # What the models of one joint have no use for and the planar leg needs.
+        _read(
+            "m_lowerleg_link",
+            _M_LOWERLEG_LINK,
+            "kg",
+            _HALF_GRAM_10,
+            "section 3.3.4: m_lowleg, the lower leg alone",
+        ),
+        _read(
+            "I_upperleg_link",
+            5.93e-2,
+            _ROTATIONAL_INERTIA,
+            0.005e-2,
+            "section 3.3.3: the upper leg alone, about the hip",
+        ),
+        _read("l_cm_upperleg", 0.13, "m", 0.005, "section 3.3.3: from the hip"),
+        _read("l_cm_lowerleg", 0.10, "m", 0.005, "section 3.3.4: from the knee"),
+        _exact("theta_knee", math.pi / 4, "rad", "section 4.2.2: θ_knee = π/4"),
+        Parameter(
+            name="g",
+            value=9.81,
+            unit="m/s^2",
+            std=0.0,
+            rounding=0.0,
+            source=Assumed("the thesis names g and prints no value"),
+        ),
     )
 )
 """The parameters as the thesis prints them."""
