@@ -50,8 +50,9 @@ class Hysteresis:
     rising, falling
         Lines in N·m and volts.
     transition_slope
-        a_tr, N·m/V. Steeper than both lines and of their sign, or the transition leads
-        away from the other line.
+        a_tr, N·m/V: below both lines' slopes where the falling line lies above the
+        rising one, above them where it lies below. Otherwise a transition would lead
+        away from the line it is to meet.
     transition
         When a transition ends.
     """
@@ -65,8 +66,30 @@ class Hysteresis:
         """Return the torque for a sequence of voltages, N·m.
 
         The first sample is on the line of the direction that the voltage then takes.
+
+        Raises
+        ------
+        CharacterisationError
+            If a transition of `UntilMet` leads away from the line it is to meet.
         """
         u = np.asarray(voltage, dtype=float)
+        if isinstance(self.transition, UntilMet):
+            self._refuse_leading_away(u)
+        return self._follow(u)
+
+    def _refuse_leading_away(self, u: FloatArray) -> None:
+        for at in (float(np.min(u)), float(np.max(u))):
+            gap = float(self.falling(at)) - float(self.rising(at))
+            for line in (self.rising, self.falling):
+                if (line.slope - self.transition_slope) * gap < 0:
+                    raise CharacterisationError(
+                        f"At {at:.3g} V a transition of {self.transition_slope:.4g} "
+                        f"N·m/V leads away from the line of {line.slope:.4g} N·m/V.",
+                        ("transition_slope",),
+                        "Choose FixedWidth, or a slope on the other side of both.",
+                    )
+
+    def _follow(self, u: FloatArray) -> FloatArray:
         result = np.empty_like(u)
         here: tuple[float, float] | None = None
         for first, last, direction in _sweeps(u):
@@ -215,6 +238,7 @@ def identify_hysteresis(
     )
     diagonals = [(r.covariance[0][0], r.covariance[1][1]) for r in lines]
     std = np.append(np.sqrt(np.ravel(diagonals)), slope_std)
+    model.torque(u)  # refuses a transition that never ends
     steady = _without_jitter(u, turns)
     if isinstance(model.transition, UntilMet):
         model, std = _refined(model, steady, y)
@@ -319,7 +343,7 @@ def _refined(
     scale = np.maximum(np.abs(x0), _rms(y) * 0.01)
 
     def error(x: FloatArray) -> FloatArray:
-        return model(x).torque(u) - y
+        return model(x)._follow(u) - y
 
     result = least_squares(error, x0, x_scale=scale)
     slopes = np.asarray(result.jac, dtype=float)
