@@ -148,8 +148,8 @@ def measure(
         if count.unstable == 0
         else Stability.UNSTABLE
     )
-    gains = tuple(_gain_crossover(around, nu) for nu in gain_crossovers(around))
-    phases = _phase_crossovers(whole.open_loop, around)
+    gains = gain_crossovers_of(around)
+    phases = phase_crossovers_of(whole.open_loop, around)
     factors = [p.gain_margin for p in phases]
     delayed = whole.open_loop.delay and whole.period is None
     poles = () if delayed or count.marginal else closed_loop_poles(whole.open_loop)
@@ -170,6 +170,11 @@ def measure(
     )
 
 
+def gain_crossovers_of(loop: Curve) -> tuple[GainCrossover, ...]:
+    """Return all gain crossovers with their margins, ascending."""
+    return tuple(_gain_crossover(loop, nu) for nu in gain_crossovers(loop))
+
+
 def _gain_crossover(loop: Curve, nu: float) -> GainCrossover:
     phase = float(loop.logarithm(np.array([nu]))[0].imag)
     omega = loop.omega(nu)
@@ -179,7 +184,9 @@ def _gain_crossover(loop: Curve, nu: float) -> GainCrossover:
     return GainCrossover(omega, math.degrees(margin), until / omega)
 
 
-def _phase_crossovers(system: ZeroPoleGain, loop: Curve) -> tuple[PhaseCrossover, ...]:
+def phase_crossovers_of(
+    system: ZeroPoleGain, loop: Curve
+) -> tuple[PhaseCrossover, ...]:
     """Return the crossovers, with those at rest and at the far end of the response."""
     found = []
     rest = system.dc_gain
