@@ -127,7 +127,7 @@ def test_derive_says_where_a_nonlinear_model_is_linear(tmp_path):
 def test_derive_as_latex(model):
     result = run("derive", model, "--latex")
     assert r"\begin{aligned}" in result.stdout
-    assert r"\frac{velocity}{force}" in result.stdout
+    assert r"\frac{\mathrm{velocity}}{\mathrm{force}}" in result.stdout
 
 
 CHECK = """

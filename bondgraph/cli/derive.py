@@ -10,9 +10,10 @@ from bondgraph.causality.records import CausalAssignment
 from bondgraph.cli.inputs import model_argument, read_model
 from bondgraph.cli.session import Session, json_option
 from bondgraph.equations.derivation import derive
+from bondgraph.equations.descriptor import DescriptorSystem, descriptor
 from bondgraph.equations.energy import EnergyBalance, energy
 from bondgraph.equations.invariants import Invariants, invariants
-from bondgraph.equations.linear import LinearSystem, linearise
+from bondgraph.equations.latex_names import latex as as_formula
 from bondgraph.equations.port_hamiltonian import PortHamiltonian, port_hamiltonian
 from bondgraph.equations.rendering import SHORT, as_latex, as_text
 from bondgraph.equations.state_equations import StateEquations
@@ -131,16 +132,19 @@ def _point(words: Sequence[str]) -> dict[str, float]:
 
 def _linear(
     equations: StateEquations, point: Mapping[str, float]
-) -> LinearSystem | BondGraphError:
-    """Return the linear system, or why there is none: that is an answer too."""
+) -> DescriptorSystem | BondGraphError:
+    """Return the linear system, or why there is none: that is an answer too.
+
+    In descriptor form, where loops and dependent storages do not fill the matrices in.
+    """
     try:
-        return linearise(equations, point)
+        return descriptor(equations, point)
     except EquationError as error:
         return error
 
 
 def _transfer_functions(
-    linear: LinearSystem | BondGraphError,
+    linear: DescriptorSystem | BondGraphError,
 ) -> list[TransferFunction | BondGraphError]:
     if isinstance(linear, BondGraphError):
         return [linear]
@@ -209,5 +213,5 @@ def _latex(
         else:
             over = sympy.Symbol(transfer.output) / sympy.Symbol(transfer.input)
             formula = sympy.Eq(over, transfer.textbook, evaluate=False)
-            blocks.append(f"\\[\n{sympy.latex(formula)}\n\\]")
+            blocks.append(f"\\[\n{as_formula(formula)}\n\\]")
     return "\n".join(blocks)

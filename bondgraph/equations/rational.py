@@ -16,6 +16,9 @@ from bondgraph.equations.chain_rule import Row
 from bondgraph.errors import EquationError
 
 
+MOST_OPERATIONS = 600  # of one coefficient: some seconds of exact arithmetic
+
+
 class RationalField:
     """The field of rational functions in the symbols of some expressions."""
 
@@ -53,6 +56,13 @@ class RationalField:
             prepared = self._prepared.get(expression)
             if prepared is None:
                 prepared = self._prepare(expression)
+            if prepared.count_ops() > MOST_OPERATIONS:
+                raise EquationError(
+                    f"A coefficient has more than {MOST_OPERATIONS} operations; a "
+                    f"closed form with it would take minutes and fill pages.",
+                    tuple(sorted(str(x) for x in expression.free_symbols))[:5],
+                    "Put numbers in: state_space(graph, at=...) answers at once.",
+                )
             self._made[expression] = self.domain.from_sympy(prepared)
         return self._made[expression]
 
