@@ -42,6 +42,7 @@ _GIVEN: tuple[_Row, ...] = (
     ("offset_set_membership", -0.07, "N", 0.005, "section 3.1.2, figure 3.10"),
     ("slope_errors_in_variables", 17.92, "N/V", 0.005, "section 3.1.2, figure 3.12"),
     ("offset_errors_in_variables", -0.07, "N", 0.005, "section 3.1.2, figure 3.12"),
+    ("slope_difference", 0.0033, "1", 0.5e-4, "section 3.1.2: least squares, 0.33 %"),
     # Link dynamics, section 3.1.3; the measured ones in steps of 5 Hz.
     ("f_1", 35.0, "Hz", 2.5, "table 3.2"),
     ("f_2", 210.0, "Hz", 2.5, "table 3.2"),
