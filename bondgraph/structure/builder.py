@@ -7,14 +7,12 @@ author calls methods on a `BondGraph`; everything else works on the checked, fro
 
 import math
 from collections.abc import Collection, Sequence
-from dataclasses import replace
-from itertools import count, pairwise
-
-import sympy
+from itertools import pairwise
 
 from bondgraph.errors import ParameterError, StructureError, did_you_mean
 from bondgraph.structure.detectors import Detector
 from bondgraph.structure.domains import EnergyDomain, Quantity, domain_named
+from bondgraph.structure.draft import Draft
 from bondgraph.structure.elements import (
     EffortSource,
     FlowSource,
@@ -34,21 +32,16 @@ from bondgraph.structure.graph import (
     Bond,
     CausalPreference,
     FinishedGraph,
-    Measurement,
     Wanted,
-    used_parameters,
 )
-from bondgraph.structure.linear_units import linear_units
 from bondgraph.structure.parameters import (
     Assumed,
     Parameter,
     ParameterSet,
     Provenance,
 )
-from bondgraph.structure.renaming import Renaming
-from bondgraph.structure.signals import Signal, canonical, parameters_in
-from bondgraph.structure.subgraphs import SubGraph, renaming_of
-from bondgraph.structure.units import si_unit
+from bondgraph.structure.signals import Signal, canonical
+from bondgraph.structure.subgraphs import SubGraph
 
 
 class BondGraph:
@@ -70,16 +63,13 @@ class BondGraph:
     """
 
     def __init__(self, name: str, domain: str = "analogue") -> None:
-        self.name = name
         self._domain = domain_named(domain)
-        self._nodes: list[Node] = []
-        self._bonds: list[tuple[Bond, EnergyDomain]] = []
-        self._junction_domains: dict[str, EnergyDomain] = {}
-        self._measurements: list[tuple[str, sympy.Expr, str | None]] = []
-        self._parameters: dict[str, Parameter] = {}
-        self._library = ParameterSet()
-        self._preferences: dict[str, CausalPreference] = {}
-        self._exposed: dict[str, None] = {}
+        self._draft = Draft(name)
+
+    @property
+    def name(self) -> str:
+        """What the machine is called."""
+        return self._draft.name
 
     def one(
         self, name: str, *elements: OnePort | Detector, domain: str | None = None
@@ -100,8 +90,8 @@ class BondGraph:
         domain: str | None,
     ) -> str:
         own = self._domain if domain is None else domain_named(domain)
-        self._nodes.append(junction)
-        self._junction_domains[junction.name] = own
+        self._draft.nodes.append(junction)
+        self._draft.junction_domains[junction.name] = own
         for element in elements:
             self.put(element, on=junction.name)
         return junction.name
@@ -125,12 +115,12 @@ class BondGraph:
                 f"{element!r} is not a one-port.", (), "Join two-ports with join(...)."
             )
         domains = [self._domain_of(place) for place in places]
-        self._nodes.append(element)
+        self._draft.nodes.append(element)
         name = element.name
         source = isinstance(element, EffortSource | FlowSource)
         for place, domain in zip(places, domains, strict=True):
             bond = Bond(name, place) if source else Bond(place, name)
-            self._bonds.append((bond, domain))
+            self._draft.bonds.append((bond, domain))
 
     def join(self, tail: str, *path: TwoPort | str) -> None:
         """Join junctions, through a two-port or directly.
@@ -140,13 +130,13 @@ class BondGraph:
         """
         match path:
             case (str() as head,):
-                self._bonds.append((Bond(tail, head), self._domain_of(tail)))
+                self._draft.bonds.append((Bond(tail, head), self._domain_of(tail)))
                 self._domain_of(head)
             case (Transformer() | Gyrator() as two_port, str() as head):
-                self._nodes.append(two_port)
+                self._draft.nodes.append(two_port)
                 first, second = Bond(tail, two_port.name), Bond(two_port.name, head)
-                self._bonds.append((first, self._domain_of(tail)))
-                self._bonds.append((second, self._domain_of(head)))
+                self._draft.bonds.append((first, self._domain_of(tail)))
+                self._draft.bonds.append((second, self._domain_of(head)))
             case _:
                 raise StructureError(
                     f"join({tail!r}, …) does not read as a bond.",
@@ -158,9 +148,9 @@ class BondGraph:
         """Add junctions and elements without bonds, to be connected by `bond`."""
         own = self._domain if domain is None else domain_named(domain)
         for node in nodes:
-            self._nodes.append(node)
+            self._draft.nodes.append(node)
             if isinstance(node, Junction):
-                self._junction_domains[node.name] = own
+                self._draft.junction_domains[node.name] = own
 
     def bond(self, tail: str, head: str, domain: str | None = None) -> None:
         """Draw one bond between any two nodes, power positive from `tail` to `head`.
@@ -176,18 +166,18 @@ class BondGraph:
         if domain is not None:
             own = domain_named(domain)
         else:
-            ends = (self._junction_domains.get(end) for end in (tail, head))
+            ends = (self._draft.junction_domains.get(end) for end in (tail, head))
             own = next((found for found in ends if found), self._domain)
-        self._bonds.append((Bond(tail, head), own))
+        self._draft.bonds.append((Bond(tail, head), own))
 
     def _domain_of(self, junction: str) -> EnergyDomain:
         try:
-            return self._junction_domains[junction]
+            return self._draft.junction_domains[junction]
         except KeyError:
             raise StructureError(
-                f"There is no junction {junction!r} in {self.name!r} (yet).",
+                f"There is no junction {junction!r} in {self._draft.name!r} (yet).",
                 (junction,),
-                did_you_mean(junction, self._junction_domains),
+                did_you_mean(junction, self._draft.junction_domains),
             ) from None
 
     def measure(
@@ -220,7 +210,7 @@ class BondGraph:
                     did_you_mean(kind, kinds),
                 )
             expression = Signal(kind, place)
-        self._measurements.append((name, canonical(expression), unit))
+        self._draft.measurements.append((name, canonical(expression), unit))
 
     def parameter(
         self,
@@ -237,11 +227,11 @@ class BondGraph:
         ``std=0.0`` says the value is exact, a positive ``std`` how well it is known,
         ``None`` that it is a starting guess. ``unit=None`` is dimensionless.
         """
-        if name in self._parameters:
+        if name in self._draft.parameters:
             raise ParameterError(
                 f"The parameter {name!r} is declared twice.", (name,), "Keep one."
             )
-        self._parameters[name] = Parameter(
+        self._draft.parameters[name] = Parameter(
             name=name,
             value=value,
             unit="1" if unit is None else unit,
@@ -264,7 +254,7 @@ class BondGraph:
                 (element,),
                 did_you_mean(str(causality), (w.value for w in Wanted)),
             ) from None
-        self._preferences[element] = CausalPreference(element, wanted)
+        self._draft.preferences[element] = CausalPreference(element, wanted)
 
     def expose(self, *junctions: str) -> None:
         """Let other graphs that include this one join these junctions, and no others.
@@ -273,7 +263,7 @@ class BondGraph:
         """
         for junction in junctions:
             self._domain_of(junction)
-            self._exposed[junction] = None
+            self._draft.exposed[junction] = None
 
     def include(
         self,
@@ -296,57 +286,8 @@ class BondGraph:
         --------
         ``car.join("axle", car.include(wheel, "left")["hub"])``
         """
-        part = BondGraph._of(graph)
-        renaming = renaming_of(part._nodes, part._measurements, name, shared)
-        self._nodes += [renaming.node(node) for node in part._nodes]
-        self._bonds += [(renaming.bond(b), domain) for b, domain in part._bonds]
-        self._junction_domains.update(
-            (renaming.place(j), domain) for j, domain in part._junction_domains.items()
-        )
-        prefix = "" if name is None else f"{name}_"
-        self._measurements += [
-            (f"{prefix}{output}", renaming.expression(expression), unit)
-            for output, expression, unit in part._measurements
-        ]
-        for preference in part._preferences.values():
-            element = renaming.place(preference.element)
-            self._preferences[element] = CausalPreference(element, preference.wanted)
-        self._include_parameters(part, renaming)
-        exposed = part._exposed or part._junction_domains
-        return SubGraph(name or part.name, {j: renaming.place(j) for j in exposed})
-
-    def _include_parameters(self, part: "BondGraph", renaming: Renaming) -> None:
-        used = used_parameters(part._nodes, ())
-        measured = tuple(n for _, x, _ in part._measurements for n in parameters_in(x))
-        known = part._library.restricted((*used, *measured))
-        for parameter in known.merged(part._parameters.values()).members:
-            new = replace(parameter, name=renaming.parameter(parameter.name))
-            old = self._parameters.setdefault(new.name, new)
-            if old != new:
-                raise ParameterError(
-                    f"The parameter {new.name!r} has two declarations.",
-                    (new.name,),
-                    "Share it with one declaration, or name the sub-graph.",
-                )
-
-    @classmethod
-    def _of(cls, graph: "BondGraph | FinishedGraph") -> "BondGraph":
-        """Return a graph being written that holds what a finished one does."""
-        if isinstance(graph, BondGraph):
-            return graph
-        part = cls(graph.name)
-        part._nodes = list(graph.nodes)
-        part._bonds = list(zip(graph.bonds, graph.domains, strict=True))
-        part._junction_domains = {
-            junction.name: graph.domain_at(junction.name)
-            for junction in graph.junctions
-        }
-        part._measurements = [
-            (m.name, m.expression, m.unit) for m in graph.measurements
-        ]
-        part._parameters = dict(graph.parameters)
-        part._preferences = {p.element: p for p in graph.preferences}
-        return part
+        part = graph._draft if isinstance(graph, BondGraph) else Draft.of(graph)
+        return self._draft.include(part, name, shared)
 
     def repeat(
         self,
@@ -381,7 +322,7 @@ class BondGraph:
 
     def take(self, parameters: ParameterSet) -> None:
         """Take from `parameters` those that this graph uses and does not declare."""
-        self._library = self._library.merged(parameters.members)
+        self._draft.library = self._draft.library.merged(parameters.members)
 
     def finish(self) -> FinishedGraph:
         """Return the checked, frozen graph.
@@ -391,67 +332,8 @@ class BondGraph:
         StructureError, ParameterError, UnitError
             If the graph is not well formed.
         """
-        bonds = tuple(bond for bond, _ in self._bonds)
-        domains = tuple(domain for _, domain in self._bonds)
-        domain_at = self._domain_at()
-        measurements = tuple(
-            Measurement(name, expression, self._unit(expression, unit, domain_at))
-            for name, expression, unit in self._measurements
-        )
-        used = used_parameters(self._nodes, measurements)
-        declared = self._library.restricted(used).merged(self._parameters.values())
-        units = linear_units(self._nodes, bonds, domains)
-        undeclared = tuple(
-            Parameter(name=n, unit=units.get(n, "1")) for n in used if n not in declared
-        )
-        return FinishedGraph(
-            name=self.name,
-            nodes=tuple(self._nodes),
-            bonds=bonds,
-            domains=domains,
-            measurements=measurements,
-            parameters=_si(declared.merged(undeclared)),
-            preferences=tuple(self._preferences.values()),
-        )
-
-    def _unit(
-        self,
-        expression: sympy.Expr,
-        unit: str | None,
-        domain_at: dict[str, EnergyDomain],
-    ) -> str:
-        """Return a measurement's unit: given, or that of the one signal it reads."""
-        if unit is not None:
-            return unit
-        if isinstance(expression, Signal) and expression.place in domain_at:
-            return domain_at[expression.place].unit(expression.quantity)
-        return "1"
-
-    def _domain_at(self) -> dict[str, EnergyDomain]:
-        """Return the domain of the first bond of every node, and of every bond."""
-        found: dict[str, EnergyDomain] = {}
-        for bond, domain in self._bonds:
-            for place in (bond.tail, bond.head, bond.name):
-                found.setdefault(place, domain)
-        at = {node.name: iter(count(1)) for node in self._nodes}
-        fields = {n.name: n for n in self._nodes if isinstance(n, MultiPort)}
-        for bond, domain in self._bonds:
-            for end in fields.keys() & {bond.tail, bond.head}:
-                found[fields[end].port(next(at[end]))] = domain
-        return found
+        return self._draft.finished()
 
     def __repr__(self) -> str:
-        kinds = " ".join(f"{letter(n)}:{n.name}" for n in self._nodes)
-        return f"<BondGraph {self.name!r}: {kinds}>"
-
-
-def _si(parameters: ParameterSet) -> ParameterSet:
-    """Return the parameters with prefixed and non-SI units converted."""
-    return ParameterSet(tuple(_si_parameter(p) for p in parameters.members))
-
-
-def _si_parameter(parameter: Parameter) -> Parameter:
-    if parameter.value is None:
-        return parameter
-    unit = si_unit(parameter.unit)
-    return parameter if unit == parameter.unit else parameter.to(unit)
+        kinds = " ".join(f"{letter(n)}:{n.name}" for n in self._draft.nodes)
+        return f"<BondGraph {self._draft.name!r}: {kinds}>"

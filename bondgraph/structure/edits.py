@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import sympy
 
 from bondgraph.errors import StructureError
+from bondgraph.structure.draft import in_si
 from bondgraph.structure.elements import (
     Compliance,
     EffortSource,
@@ -56,7 +57,7 @@ class InsertElement:
             nodes=(*graph.nodes, self.element),
             bonds=(*graph.bonds, bond),
             domains=(*graph.domains, graph.domain_at(self.junction)),
-            parameters=graph.parameters.merged(self.parameters),
+            parameters=graph.parameters.merged(map(in_si, self.parameters)),
         )
 
     def describe(self) -> str:
@@ -131,7 +132,7 @@ def _with_nodes(
 ) -> FinishedGraph:
     """Return the graph with other nodes; parameters no longer used are dropped."""
     used = used_parameters(nodes, measurements)
-    merged: ParameterSet = graph.parameters.merged(added)
+    merged: ParameterSet = graph.parameters.merged(map(in_si, added))
     return replace(
         graph,
         nodes=nodes,
