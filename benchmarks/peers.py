@@ -66,7 +66,7 @@ def theirs(venv: Path, tool: str, name: str, stages: int, limit: float) -> Any:
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return f"over {limit:.0f} s"
+        return f"over {limit:.0f} s on the clock"
     if ran.returncode:
         return ran.stderr.strip().splitlines()[-1]
     return json.loads(ran.stdout.splitlines()[-1])
