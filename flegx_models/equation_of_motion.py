@@ -1,12 +1,13 @@
 """M(q) q̈ + h(q, q̇) + G(q) = τ (eq. 4.1) read off a bond graph at one posture.
 
 The graph's equations give the accelerations for any torques and speeds. They are affine
-in the torques, which gives M; at rest what is left is G, at speed also h. The angles are
-absolute, so τ are the torques of the two drives on their joints and nothing else, and
-the inertia of each drive stands on M's diagonal. In the thesis's relative angles the
-knee drive would couple the joints by its whole reflected inertia.
+in the torques, which gives M; at rest what is left is G, at speed also h, to which
+friction is counted.
 
-Friction is counted to h.
+The angles are absolute, so τ are the torques of the two drives on their joints and
+nothing else, and the inertia of each drive stands on M's diagonal. In the thesis's
+relative angles θ1, θ2 the knee drive couples the joints by its whole reflected inertia:
+see `EquationOfMotion.relative_mass`.
 """
 
 from collections.abc import Mapping
@@ -33,6 +34,13 @@ class EquationOfMotion:
     mass: Array
     velocity: Array
     gravity: Array
+
+    @property
+    def relative_mass(self) -> Array:
+        """M in the relative angles θ1, θ2; of a leg with both joints free."""
+        absolute_of_relative = np.tril(np.ones_like(self.mass))
+        turned: Array = absolute_of_relative.T @ self.mass @ absolute_of_relative
+        return turned
 
     def acceleration(self, torque: Array) -> Array:
         """Return q̈ in rad/s² under these joint torques (N·m)."""
@@ -64,6 +72,11 @@ class Leg:
         states = {state.symbol.name for state in self._equations.states}
         self.joints = tuple(j for j in JOINTS if f"p_{CARRIERS[j]}" in states)
 
+    @property
+    def ratio(self) -> float:
+        """Motor turns per joint turn."""
+        return self._values["K_gearbox"] * self._values["K_worm_gear"]
+
     def equation_of_motion(
         self, posture: Mapping[str, float], speed: Mapping[str, float] | None = None
     ) -> EquationOfMotion:
@@ -76,10 +89,9 @@ class Leg:
         speed
             Of `joints` in rad/s; zero where not named.
         """
-        ratio = self._values["K_gearbox"] * self._values["K_worm_gear"]
         fallen = self.accelerations(posture)
         columns = [
-            self.accelerations(posture, torque={joint: 1.0 / ratio}) - fallen
+            self.accelerations(posture, torque={joint: 1.0 / self.ratio}) - fallen
             for joint in self.joints
         ]
         mass = np.linalg.inv(np.array(columns).T)

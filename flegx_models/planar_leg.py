@@ -1,9 +1,9 @@
-"""The whole leg in its plane: both joints coupled, gravity, slider and ground (eq. 4.1).
+"""The whole leg in its plane: both joints, gravity, slider and ground (eq. 4.1).
 
 Two bodies hang on a support that slides vertically. The angles are absolute and zero
-where a link hangs straight down: ``hip`` is θ1, ``knee`` is θ1 + θ2, because the tendons
-let the knee motor, which sits on the support, turn the lower leg against the *support*
-(section 4.1). x points forward, y up; eq. 4.13 and 4.15 follow.
+where a link hangs straight down: ``hip`` is θ1, ``knee`` is θ1 + θ2, because through
+the tendons the knee motor, which sits on the support, turns the lower leg against the
+*support* (section 4.1). x points forward, y up; eq. 4.13 and 4.15 follow.
 
 Each mass has a 1-junction per axis. Its velocity is a sum of joint speeds times levers
 L cos θ or L sin θ: a 0-junction per axis, a modulated transformer per lever. Half
@@ -196,9 +196,11 @@ def _foot(leg: BondGraph, axis: str) -> None:
 def _moved(leg: BondGraph, place: str, axis: str, levers: _Levers) -> None:
     """Let `place` move with the joints by `levers`, and along y with the support."""
     way = {"x": sympy.cos, "y": sympy.sin}[axis]
-    total = f"sum_{place}"
-    leg.zero(total, domain="translation")
-    leg.join(place, total)
+    total = place
+    if axis == "y" or len(levers) > 1:
+        total = f"sum_{place}"
+        leg.zero(total, domain="translation")
+        leg.join(place, total)
     if axis == "y":
         leg.join(total, "support")
     for joint, parts in levers.items():
