@@ -23,31 +23,25 @@ from bondgraph import state_space
 from flegx_models.characterisation.beam_modes import UniformBeam
 from flegx_models.characterisation.cantilever import Cantilever
 from flegx_models.characterisation.encoder_filter import ButterworthPair, PwmEncoder
+from flegx_models.characterisation.feasible_lines import feasible_lines
 from flegx_models.characterisation.flexible_link import (
     PointMass,
     StaticCorrection,
     flexible_link,
 )
+from flegx_models.characterisation.free_decay import free_decay, printed_damping_factor
 from flegx_models.characterisation.frequency_response import (
     frequency_response,
     pulse_only,
 )
+from flegx_models.characterisation.hysteresis_fit import identify_hysteresis
 from flegx_models.characterisation.impact_modes import identify_modes
-from flegx_models.characterisation.pendulum import (
-    free_decay,
-    printed_damping_factor,
-    swinging_part,
-)
-from flegx_models.characterisation.sensor_line import (
-    Line,
-    feasible_lines,
-    least_squares_line,
-)
+from flegx_models.characterisation.pendulum import swinging_part
+from flegx_models.characterisation.sensor_line import Line, least_squares_line
 from flegx_models.characterisation.torque_hysteresis import (
     FixedWidth,
     Hysteresis,
     UntilMet,
-    identify_hysteresis,
 )
 from flegx_models.parameters_chapter3 import CHAPTER_3
 

@@ -7,14 +7,13 @@ import pytest
 from numpy.typing import NDArray
 
 from flegx_models.characterisation.errors import CharacterisationError
+from flegx_models.characterisation.hysteresis_fit import identify_hysteresis, reversals
 from flegx_models.characterisation.sensor_line import Line
 from flegx_models.characterisation.torque_hysteresis import (
     FixedWidth,
     Hysteresis,
     Transition,
     UntilMet,
-    identify_hysteresis,
-    reversals,
 )
 from flegx_models.parameters_chapter3 import CHAPTER_3
 

@@ -10,17 +10,19 @@ from scipy.integrate import quad, solve_ivp
 
 from bondgraph import derive, fit, linearise, read_for
 from flegx_models.characterisation.errors import CharacterisationError
-from flegx_models.characterisation.pendulum import (
-    centre_of_mass,
+from flegx_models.characterisation.free_decay import (
     damping_factor,
     free_decay,
-    inertia_of_point,
-    joint_centre,
     large_swing_factor,
     natural_frequency,
-    pendulum,
     printed_damping_factor,
     small_swing_amplitude,
+)
+from flegx_models.characterisation.pendulum import (
+    centre_of_mass,
+    inertia_of_point,
+    joint_centre,
+    pendulum,
     swinging_part,
     tendon_radius,
 )

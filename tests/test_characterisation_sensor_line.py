@@ -6,12 +6,11 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from flegx_models.characterisation.errors import CharacterisationError
-from flegx_models.characterisation.sensor_line import (
+from flegx_models.characterisation.feasible_lines import (
     FeasibleSetStatus,
-    Line,
     feasible_lines,
-    least_squares_line,
 )
+from flegx_models.characterisation.sensor_line import Line, least_squares_line
 
 TRUE = Line(17.9, -0.06)
 FloatArray = NDArray[np.float64]

@@ -15,13 +15,12 @@ from flegx_models.characterisation.added_mass import equivalent_mass
 from flegx_models.characterisation.cantilever import Cantilever
 from flegx_models.characterisation.encoder_filter import ButterworthPair, PwmEncoder
 from flegx_models.characterisation.errors import CharacterisationError
-from flegx_models.characterisation.pendulum import (
-    centre_of_mass,
+from flegx_models.characterisation.free_decay import (
     damping_factor,
-    joint_centre,
     natural_frequency,
     printed_damping_factor,
 )
+from flegx_models.characterisation.pendulum import centre_of_mass, joint_centre
 from flegx_models.characterisation.tendons import RoundColumn
 from flegx_models.parameters import PRINTED
 from flegx_models.parameters_chapter3 import CHAPTER_3
