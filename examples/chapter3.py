@@ -20,6 +20,7 @@ from scipy.integrate import solve_ivp
 from scipy.signal import lsim
 
 from bondgraph import state_space
+from flegx_models.characterisation.added_mass import EXACT_SHARE, equivalent_mass
 from flegx_models.characterisation.beam_modes import UniformBeam
 from flegx_models.characterisation.cantilever import Cantilever
 from flegx_models.characterisation.encoder_filter import ButterworthPair, PwmEncoder
@@ -57,7 +58,7 @@ STRIP = Cantilever(
 BEAM = UniformBeam(
     length=STRIP.length,
     bending_stiffness=STRIP.bending_stiffness,
-    mass=STRIP.tip_stiffness / (2 * math.pi * P["f_1"]) ** 2 * 1.8751**4 / 3,
+    mass=equivalent_mass(STRIP.tip_stiffness, frequency=P["f_1"]) / EXACT_SHARE,
     thickness=STRIP.thickness,
 )
 DAMPING = 0.006  # not printed; a steel strip clamped between profiles
