@@ -12,7 +12,7 @@ two leave out.
 ``python -m flegx_models.decoupling`` prints both. Every number is derived from graphs.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 
@@ -296,8 +296,8 @@ def _flight_postures() -> tuple[Posture, ...]:
 
 def _stance_postures() -> tuple[Posture, ...]:
     """Return the working range with the foot below the hip (eq. 4.16)."""
-    ends = [_value(MOTION, f"hip_{end}") for end in ("straightest", "steepest")]
-    angles = map(float, np.linspace(*ends, _POINTS))
+    first, last = _value(MOTION, "hip_straightest"), _value(MOTION, "hip_steepest")
+    angles = map(float, np.linspace(first, last, _POINTS))
     return tuple({"hip": angle, "knee": -angle} for angle in angles)
 
 
@@ -338,7 +338,7 @@ def _percent(share: float) -> str:
     return f"{round(100 * share, 2) + 0.0:+.2f} %"
 
 
-def _aligned(rows: list[tuple[str, ...]]) -> Iterator[str]:
+def _aligned(rows: Sequence[tuple[str, ...]]) -> Iterator[str]:
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))

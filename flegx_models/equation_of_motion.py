@@ -39,15 +39,13 @@ class EquationOfMotion:
     def relative_mass(self) -> Array:
         """M in the relative angles θ1, θ2; of a leg with both joints free."""
         absolute_of_relative = np.tril(np.ones_like(self.mass))
-        turned: Array = absolute_of_relative.T @ self.mass @ absolute_of_relative
-        return turned
+        turned = absolute_of_relative.T @ self.mass @ absolute_of_relative
+        return np.asarray(turned, dtype=np.float64)
 
     def acceleration(self, torque: Array) -> Array:
         """Return q̈ in rad/s² under these joint torques (N·m)."""
-        solved: Array = np.linalg.solve(
-            self.mass, torque - self.velocity - self.gravity
-        )
-        return solved
+        rest = torque - self.velocity - self.gravity
+        return np.asarray(np.linalg.solve(self.mass, rest), dtype=np.float64)
 
 
 class Leg:
@@ -94,7 +92,7 @@ class Leg:
             self.accelerations(posture, torque={joint: 1.0 / self.ratio}) - fallen
             for joint in self.joints
         ]
-        mass = np.linalg.inv(np.array(columns).T)
+        mass = np.asarray(np.linalg.inv(np.array(columns).T), dtype=np.float64)
         moved = self.accelerations(posture, speed) - fallen
         return EquationOfMotion(
             joints=self.joints,

@@ -22,10 +22,6 @@ _GIVEN: tuple[_Row, ...] = (
     ("knee_straightest", math.radians(25), "rad", math.radians(0.5), _KNEE),
     ("knee_steepest", math.radians(45), "rad", math.radians(0.5), _KNEE),
     ("speed", 0.75, "rad/s", 0.005, "section 6.2: hip speed at lift-off"),
-    ("period", 0.7, "s", 0.05, "section 6.1: T_r of the test splines"),
-    ("amplitude_knee", math.radians(20), "rad", math.radians(0.5), "section 6.1.1"),
-    ("amplitude_hip", math.radians(10), "rad", math.radians(0.5), "section 6.1.1"),
-    ("squat", 0.4, "s", 0.05, "section 6.2: duration of the squat"),
 )
 
 MOTION = ParameterSet(
