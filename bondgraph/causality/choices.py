@@ -132,7 +132,7 @@ def _resistance(
 
 
 def _ease_of_derivative(storage: Storage) -> int:
-    """Return 0 if what is stored has no formula in the rest, 2 if it is linear."""
+    """Return 2 if the law gives what is stored, 1 after some algebra, 0 if never."""
     if storage.law is None:
         return 2
     stored = signals.p if isinstance(storage, Inertance) else signals.q
@@ -142,7 +142,7 @@ def _ease_of_derivative(storage: Storage) -> int:
 def _ease(element: Storage | Resistance, wanted: object) -> int:
     relation = element.relation
     if relation.output == wanted:
-        return 1
+        return 2
     slope = relation.expression.diff(relation.argument)
     if slope != 0 and not slope.has(relation.argument):
         return 2
