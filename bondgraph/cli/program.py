@@ -24,6 +24,7 @@ COMMANDS = {
     "simulate": "Drive the model with a recording and compare its outputs.",
     "fit": "Fit the parameters of a model to recordings.",
     "diagnose": "Say which physics a model leaves out, where, and show it.",
+    "shape": "Size a controller for what is required of the loop.",
     "export": "Write the model as C, MATLAB, Modelica, LaTeX or Python text.",
     "diff": "Say what changed between two versions of a model.",
     "demo": "Hide physics in a simulated machine and find it.",

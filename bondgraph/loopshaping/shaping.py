@@ -10,7 +10,7 @@ faster, or which one cannot be met and by how much.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -25,6 +25,7 @@ from bondgraph.loopshaping.measures import LoopMeasures
 from bondgraph.loopshaping.requirements import (
     AbstractRequirement,
     Assessment,
+    Crossover,
     RequirementVerdict,
     Specification,
 )
@@ -136,8 +137,32 @@ def shape(
         )
     for number in free:
         controller.value(number.path)  # refuses an unknown one
-    sized = _sized(problem, controller, free)
-    return _design(problem, sized, free)
+    design = _design(problem, _sized(problem, controller, free), free)
+    if design.met:
+        return design
+    return replace(
+        design, reasons=(*design.reasons, *_without_speed(problem, controller, free))
+    )
+
+
+def _without_speed(
+    problem: "_Problem", controller: AbstractController, free: tuple[Free, ...]
+) -> list[str]:
+    """Return what the other requirements allow, where one asks for a crossover."""
+    fast = [r for r in problem.requirements if isinstance(r, Crossover)]
+    others = tuple(r for r in problem.requirements if r not in fast)
+    if not (fast and others):
+        return []
+    rest = replace(problem, requirements=others)
+    design = _design(rest, _sized(rest, controller, free), free)
+    if not design.met:
+        return ["The other requirements cannot be met at any crossover."]
+    reached, wanted = design.measures.crossover, max(r.limit for r in fast)
+    return [
+        f"The other requirements allow a crossover of {reached:.4g} rad/s, "
+        f"{wanted - reached:.3g} rad/s less than required; what stops it is the "
+        f"{' and '.join(design.binding)}."
+    ]
 
 
 @dataclass(frozen=True, slots=True)
