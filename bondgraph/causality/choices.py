@@ -7,15 +7,19 @@ junctions.
 """
 
 from collections.abc import Iterator
+from functools import cache, lru_cache
 from typing import NamedTuple
+
+import sympy
 
 from bondgraph.causality.propagation import FREE, StrokeBoard
 from bondgraph.causality.records import Rule
-from bondgraph.errors import EquationError
 from bondgraph.structure import signals
 from bondgraph.structure.elements import Inertance, Resistance, Storage
 from bondgraph.structure.fields import MultiPort, ResistanceField
 from bondgraph.structure.graph import CausalPreference, Wanted
+from bondgraph.structure.relations import inverse
+from bondgraph.structure.signals import parameter_symbol, parameters_in
 
 
 class Choice(NamedTuple):
@@ -139,18 +143,28 @@ def _ease_of_derivative(storage: Storage) -> int:
     return _ease(storage, stored)
 
 
-def _ease(element: Storage | Resistance, wanted: object) -> int:
+def _ease(element: Storage | Resistance, wanted: sympy.Symbol) -> int:
     relation = element.relation
     if relation.output == wanted:
         return 2
-    slope = relation.expression.diff(relation.argument)
-    if slope != 0 and not slope.has(relation.argument):
+    law = relation.expression
+    constants = sorted(map(parameter_symbol, parameters_in(law)), key=str)
+    form = law.xreplace(dict(zip(constants, _places(len(constants)), strict=True)))
+    return _ease_of_form(form, relation.argument, relation.output)
+
+
+@cache
+def _places(count: int) -> tuple[sympy.Symbol, ...]:
+    return tuple(sympy.Dummy(f"k{i}", real=True) for i in range(count))
+
+
+@lru_cache(maxsize=1024)
+def _ease_of_form(law: sympy.Expr, argument: sympy.Symbol, output: sympy.Symbol) -> int:
+    """Return how easily a law is inverted; large machines repeat few forms of law."""
+    slope = law.diff(argument)
+    if slope != 0 and not slope.has(argument):
         return 2
-    try:
-        relation.solved_for(relation.argument)
-    except EquationError:
-        return 0
-    return 1
+    return 0 if inverse(law, argument, output) is None else 1
 
 
 def _flexibility(resistance: Resistance) -> int:
