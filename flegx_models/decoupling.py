@@ -6,24 +6,20 @@ support, the other motor has no inertia, the mass matrix is constant, the leg is
 gravity is compensated. `assumptions` takes them one at a time: two graphs that differ
 in nothing else, and what that does to the gain (acceleration per motor torque), to the
 friction pole and to the gain over the range in which the leg works
-(`flegx_models.parameters_motion`). `neglected` gives the accelerations that the last
-two leave out.
+(`flegx_models.working_range`). What the last two leave out is `flegx_models.neglected`.
 
 ``python -m flegx_models.decoupling`` prints both. Every number is derived from graphs.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import product
 
 import numpy as np
 
 from bondgraph import FinishedGraph, ParameterSet, state_space
 from flegx_models import nonlinear_stance
-from flegx_models.equation_of_motion import Leg
+from flegx_models.neglected import neglected, weighted_poles
 from flegx_models.parameters import RECONCILED
-from flegx_models.parameters_datasheets import DATASHEETS
-from flegx_models.parameters_motion import MOTION
 from flegx_models.planar_leg import (
     JOINTS,
     flying_leg,
@@ -33,12 +29,14 @@ from flegx_models.planar_leg import (
     sliding_leg,
     standing_leg,
 )
-
-Posture = Mapping[str, float]
-"""The absolute angles ``hip`` and ``knee`` in rad."""
+from flegx_models.working_range import (
+    Posture,
+    flight_postures,
+    printed_posture,
+    stance_postures,
+)
 
 _BOTH = {f"q_{joint}": joint for joint in JOINTS}
-_POINTS = 5  # angles over the working range of the standing leg
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,28 +74,6 @@ class Assumption:
     def pole_change(self) -> float:
         """What giving the assumption up does to the friction pole, relative to it."""
         return self.pole_without / self.pole - 1
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Neglected:
-    """The greatest acceleration over the working range that one term makes.
-
-    Parameters
-    ----------
-    leg, joint, term
-        ``hanging``, ``flying`` or ``standing``; ``h`` (centrifugal, at the squat's
-        speed) or ``G`` (gravity, not compensated).
-    acceleration
-        rad/s², magnitude.
-    share
-        Of what the motor's nominal torque makes of this joint.
-    """
-
-    leg: str
-    joint: str
-    term: str
-    acceleration: float
-    share: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +126,7 @@ def _lowerleg_flight(parameters: ParameterSet) -> Iterator[Assumption]:
         ("the hip does not move", held, hanging),
         ("the support does not move", hanging, flying),
     )
-    yield from _steps("lowerleg_flight", steps, _flight_postures(), flying)
+    yield from _steps("lowerleg_flight", steps, flight_postures(), flying)
 
 
 def _upperleg_flight(parameters: ParameterSet) -> Iterator[Assumption]:
@@ -168,7 +144,7 @@ def _upperleg_flight(parameters: ParameterSet) -> Iterator[Assumption]:
         ("the lower leg keeps its absolute angle", held, hanging),
         ("the support does not move", hanging, flying),
     )
-    yield from _steps("upperleg_flight", steps, _flight_postures(), flying)
+    yield from _steps("upperleg_flight", steps, flight_postures(), flying)
 
 
 def _stance(joint: str, parameters: ParameterSet) -> Iterator[Assumption]:
@@ -187,8 +163,8 @@ def _stance(joint: str, parameters: ParameterSet) -> Iterator[Assumption]:
         ("the other motor gives no torque (else: the opposite)", full, both),
         ("the foot does not slip (else: ground without friction)", full, sliding),
     )
-    yield _constant(model, "the lever is 2 L sin θ0", lone, _stance_postures())
-    yield from _steps(model, steps, _stance_postures(), full)
+    yield _constant(model, "the lever is 2 L sin θ0", lone, stance_postures())
+    yield from _steps(model, steps, stance_postures(), full)
 
 
 def _seen(
@@ -219,7 +195,7 @@ def _constant(
     model: str, statement: str, view: _View, postures: tuple[Posture, ...]
 ) -> Assumption:
     """Return what it costs to take a view everywhere as it is at θ0."""
-    gain, _ = view.gain_and_pole(_printed_posture())
+    gain, _ = view.gain_and_pole(printed_posture())
     changes = [view.gain_and_pole(there)[0] / gain - 1 for there in postures]
     return _assumption(model, statement, view, view, changes)
 
@@ -227,8 +203,8 @@ def _constant(
 def _assumption(
     model: str, statement: str, view: _View, freer: _View, changes: list[float]
 ) -> Assumption:
-    gain, pole = view.gain_and_pole(_printed_posture())
-    gain_without, pole_without = freer.gain_and_pole(_printed_posture())
+    gain, pole = view.gain_and_pole(printed_posture())
+    gain_without, pole_without = freer.gain_and_pole(printed_posture())
     return Assumption(
         model=model,
         statement=statement,
@@ -241,72 +217,8 @@ def _assumption(
     )
 
 
-def neglected(parameters: ParameterSet = RECONCILED) -> tuple[Neglected, ...]:
-    """Return what h and G of eq. 4.1 do over the working range; friction is no part."""
-    without = {"c_friction_upperleg": 0.0, "c_friction_lowerleg": 0.0}
-    legs = (
-        ("hanging", hanging_leg, _flight_postures()),
-        ("flying", flying_leg, _flight_postures()),
-        ("standing", standing_leg, _stance_postures()),
-    )
-    return tuple(
-        row
-        for name, factory, postures in legs
-        for row in _neglected_of(
-            name, Leg(factory(parameters).finish().with_parameters(without)), postures
-        )
-    )
-
-
-def _neglected_of(
-    name: str, leg: Leg, postures: tuple[Posture, ...]
-) -> Iterator[Neglected]:
-    speed, torque = _value(MOTION, "speed"), _value(DATASHEETS, "motor_nominal_torque")
-    speeds = [
-        dict(zip(leg.joints, signs, strict=True))
-        for signs in product((speed, -speed), repeat=len(leg.joints))
-    ]
-    largest: dict[tuple[str, str], tuple[float, float]] = {}
-    for posture, moving in product(postures, speeds):
-        motion = leg.equation_of_motion(posture, moving)
-        driven = leg.ratio * torque * np.diag(np.linalg.inv(motion.mass))
-        for term, force in (("h", motion.velocity), ("G", motion.gravity)):
-            found = np.abs(np.linalg.solve(motion.mass, force))
-            for joint, value, own in zip(leg.joints, found, driven, strict=True):
-                old = largest.get((joint, term), (0.0, 0.0))
-                largest[joint, term] = max(old, (float(value), float(value / own)))
-    for (joint, term), (acceleration, share) in largest.items():
-        yield Neglected(
-            leg=name, joint=joint, term=term, acceleration=acceleration, share=share
-        )
-
-
-def _printed_posture() -> Posture:
-    """Return θ1 = -θ0 and θ1 + θ2 = θ0, where the stance models are linearised."""
-    angle = _value(RECONCILED, "theta_0")
-    return {"hip": -angle, "knee": angle}
-
-
-def _flight_postures() -> tuple[Posture, ...]:
-    """Return the corners of the working range of both joints."""
-    hips = [_value(MOTION, f"hip_{end}") for end in ("steepest", "straightest")]
-    knees = [_value(MOTION, f"knee_{end}") for end in ("straightest", "steepest")]
-    return tuple({"hip": hip, "knee": knee} for hip, knee in product(hips, knees))
-
-
-def _stance_postures() -> tuple[Posture, ...]:
-    """Return the working range with the foot below the hip (eq. 4.16)."""
-    first, last = _value(MOTION, "hip_straightest"), _value(MOTION, "hip_steepest")
-    angles = map(float, np.linspace(first, last, _POINTS))
-    return tuple({"hip": angle, "knee": -angle} for angle in angles)
-
-
-def _value(parameters: ParameterSet, name: str) -> float:
-    return parameters.values_by_name()[name]
-
-
 def as_text(parameters: ParameterSet = RECONCILED) -> str:
-    """Return both tables, aligned."""
+    """Return the assumptions, and what is neglected, as aligned tables."""
     costs = [
         ("model", "assumed", "gain", "without", "change", "pole", "over the range"),
         *map(_cost_cells, assumptions(parameters)),
@@ -314,11 +226,15 @@ def as_text(parameters: ParameterSet = RECONCILED) -> str:
     left_out = [
         ("leg", "joint", "term", "rad/s²", "of the nominal torque's"),
         *(
-            (n.leg, n.joint, n.term, f"{n.acceleration:.3f}", f"{n.share:.2%}")
+            (n.leg, n.joint, n.term, f"{n.acceleration:.3f}", f"{100 * n.share:.2f} %")
             for n in neglected(parameters)
         ),
     ]
-    return "\n".join([*_aligned(costs), "", *_aligned(left_out)])
+    poles = [
+        ("leg", "fastest pole under its weight, 1/s"),
+        *((leg, _rounded(pole)) for leg, pole in weighted_poles(parameters).items()),
+    ]
+    return "\n".join([*_aligned(costs), "", *_aligned(left_out), "", *_aligned(poles)])
 
 
 def _cost_cells(cost: Assumption) -> tuple[str, ...]:
@@ -331,6 +247,15 @@ def _cost_cells(cost: Assumption) -> tuple[str, ...]:
         _percent(cost.pole_change),
         f"{_percent(cost.lowest)} to {_percent(cost.highest)}",
     )
+
+
+def _rounded(pole: complex) -> str:
+    """Return a pole that is real or imaginary; one of them is rounding."""
+    if round(abs(pole), 2) == 0:
+        return "0"
+    if abs(pole.imag) > abs(pole.real):
+        return f"±{abs(pole.imag):.2f}i"
+    return f"{pole.real:.2f}"
 
 
 def _percent(share: float) -> str:
