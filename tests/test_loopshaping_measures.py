@@ -15,6 +15,7 @@ from bondgraph.errors import LoopShapingError
 from bondgraph.loading import load_model
 from bondgraph.loopshaping.loop import Loop, to_python_control, zero_pole_gain
 from bondgraph.loopshaping.measures import Stability, measure
+from bondgraph.loopshaping.realisation import closed_loop_poles
 from bondgraph.loopshaping.step_response import step_response
 from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain
 from bondgraph.numeric.state_space import state_space
@@ -224,6 +225,51 @@ def test_a_sampled_loop_agrees_with_its_own_sweep_and_poles(seed):
     assert largest * (1 - 1e-9) <= measured.sensitivity.value <= largest * 1.01
     closed = np.abs(control.feedback(discrete, 1).poles())
     assert measured.unstable_poles == (closed > 1).sum()
+
+
+@pytest.mark.parametrize(
+    ("system", "unstable"),
+    [
+        # undamped poles: 1 + L by Routh, or by np.roots where it is longer
+        (ZeroPoleGain(zeros=(-1,), poles=(1j, -1j, -20), gain=40.0), 0),
+        (ZeroPoleGain(zeros=(1,), poles=(1j, -1j, -20), gain=100.0), 1),
+        (ZeroPoleGain(poles=(1j, -1j, -20), gain=10.0), 2),
+        (ZeroPoleGain(zeros=(-0.1, -0.2, -0.3), poles=(1j, -1j) * 2, gain=4.0), 2),
+        (ZeroPoleGain(zeros=(2j, -2j), poles=(0, -1, -3), gain=2.0), 0),
+        (ZeroPoleGain(zeros=(-1,), poles=(0, 0, 0), gain=1.0), 2),
+        (ZeroPoleGain(zeros=(-1, -1), poles=(0, 0, 0), gain=5.0), 0),
+        (ZeroPoleGain(gain=0.5), 0),
+        # sampled with a pole at -1: 1 + 0.5/(z + 1) has its root at -1.5
+        (ZeroPoleGain(poles=(-1,), gain=0.5, period=0.1), 1),
+        (ZeroPoleGain(poles=(-1,), gain=-0.5, period=0.1), 0),
+        (ZeroPoleGain(zeros=(-1,), poles=(1, 0.5), gain=0.05, period=0.1), 0),
+    ],
+    ids=str,
+)
+def test_poles_on_the_edge_are_counted_as_they_move(system, unstable):
+    measured = measure(system)
+    assert measured.unstable_poles == unstable
+    top = system.gain * np.poly(system.zeros) if system.zeros else [system.gain]
+    closed = np.roots(np.polyadd(np.poly(system.poles), top)) if system.poles else []
+    limit = 0.0 if system.period is None else 1.0
+    size = np.real(closed) if system.period is None else np.abs(closed)
+    assert (np.asarray(size) > limit).sum() == unstable
+    assert len(measured.closed_loop_poles) == len(closed)
+    for pole in measured.closed_loop_poles:
+        assert np.abs(closed - pole).min() < 1e-6
+
+
+def test_a_static_loop_through_minus_one_has_no_answer_to_a_step():
+    with pytest.raises(LoopShapingError, match="no solution"):
+        closed_loop_poles(ZeroPoleGain(gain=-1.0))
+    assert measure(ZeroPoleGain(gain=-1.0)).stability is Stability.MARGINAL
+
+
+def test_a_loop_that_washes_out_has_no_step_figures():
+    measured = measure(ZeroPoleGain(zeros=(0,), poles=(-1, -2), gain=5.0))
+    assert measured.stable
+    assert measured.step is None
+    assert measured.bandwidth is None
 
 
 def test_a_delay_far_beyond_the_crossover_is_unstable_without_a_count():

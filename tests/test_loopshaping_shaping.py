@@ -104,6 +104,16 @@ def test_the_fast_pole_as_chapter_five_prints_it_does_not_give_the_crossover():
     assert measure(loop, step=False).crossover > 13.5
 
 
+def test_the_filter_as_its_formula_reads_leaves_no_phase(leg):
+    # eq. 5.11 says s/25; only 25 Hz, as the text says, gives the printed margins
+    slow = ZeroPoleGain(
+        poles=2 * tuple(np.roots([1 / 25**2, 1.414 / 25, 1])), gain=25**4
+    )
+    lead = flegx.printed_lead(leg)
+    loop = Loop(plant=flegx.plant(leg), controller=lead.transfer, feedback=slow)
+    assert 6 < measure(loop, step=False).phase_margin < 17
+
+
 def test_the_prototype_s_peaks_alone_give_the_printed_gains(leg):
     design = flegx.found_again(leg)
     assert design.met

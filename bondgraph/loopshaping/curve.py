@@ -203,7 +203,9 @@ def _through_bilinear(
     sides: list[tuple[complex, ...]] = []
     for roots, power in ((system.zeros, 1), (system.poles + late, -1)):
         moved = []
-        for root in roots:
+        for given in roots:
+            # A pole at z = -1 counts as stable, like one at z = 1 or on the axis.
+            root = given + _BESIDE if given == -1 and power < 0 else given
             # z - r = half (1 + r) (s - s_r) / (1 - s half); at r = -1, 2 / (1 - s half)
             if root == -1:
                 gain *= 2.0**power

@@ -27,6 +27,8 @@ from bondgraph.loopshaping.step_response import (
 )
 from bondgraph.loopshaping.zero_pole_gain import FloatArray, ZeroPoleGain
 
+_POLE = 1e6  # a gain above this at the far end is that of a pole there
+
 
 class Stability(StrEnum):
     """Whether the closed loop is stable; the value is the sentence to show."""
@@ -197,7 +199,7 @@ def phase_crossovers_of(
         found.append(PhaseCrossover(loop.omega(nu), math.exp(-size)))
     end = math.inf if system.period is None else math.pi / system.period
     last = loop.gain if not (loop.orders.sum() or loop.delay) else 0.0
-    if last < 0:  # sampled, the far end is z = -1
+    if -_POLE < last < 0:  # sampled, the far end is z = -1
         found.append(PhaseCrossover(end, -1 / last))
     return tuple(found)
 
@@ -240,6 +242,8 @@ def _step(loop: Loop, gains: tuple[GainCrossover, ...]) -> StepFigures | None:
     """Return the step figures; None where a branch has no step response."""
     parts = (loop.forward, loop.feedback)
     if any(part.relative_degree < 0 for part in parts):
+        return None
+    if value_at_rest(loop) in (0.0, math.inf):
         return None
     if gains:
         scale = gains[-1].omega

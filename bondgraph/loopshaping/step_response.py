@@ -70,7 +70,7 @@ def value_at_rest(loop: Loop) -> float:
         return 0.0  # an integrator in the feedback branch only
     if math.isinf(around):
         return 1 / loop.feedback.dc_gain if loop.feedback.dc_gain else math.inf
-    return forward / (1 + around)
+    return forward / (1 + around) if around != -1 else math.inf
 
 
 def step_response(loop: Loop, *, scale: float) -> StepResponse:
@@ -152,6 +152,7 @@ def _smooth(loop: Loop, scale: float, final: float) -> tuple[FloatArray, FloatAr
     row = np.append(C[0], D[0, 0])
     begin, end = 0.0, 0.05 / scale
     times, outputs = [np.zeros(1)], [np.array([row @ state])]
+    largest = abs(float(row @ state))
     for _ in range(_STRETCHES):
         alive = modes[np.abs(modes.real) * begin < 14] if begin else modes
         quick = float(np.abs(alive.imag).max(initial=0.0))
@@ -164,9 +165,9 @@ def _smooth(loop: Loop, scale: float, final: float) -> tuple[FloatArray, FloatAr
         times.append(begin + (end - begin) * np.arange(1, count + 1) / count)
         outputs.append(values)
         begin, end = end, 2 * end
-        if begin * scale > 3 and np.ptp(np.append(values, final)) <= _SETTLED * max(
-            1e-12, abs(final)
-        ):
+        largest = max(largest, float(np.abs(values).max()))
+        left = float(np.ptp(np.append(values, final)))
+        if begin * scale > 3 and left <= _SETTLED * max(abs(final), 1e-2 * largest):
             break
     return np.concatenate(times), np.concatenate(outputs)
 
