@@ -112,6 +112,15 @@ _HOME = {
     "bondgraph.numeric.steady_state": ("steady_state",),
     "bondgraph.numeric.jacobian": ("jacobian",),
     "bondgraph.numeric.nonlinear_io": ("to_nonlinear_io",),
+    "bondgraph.numeric.implicit.matrices": (
+        "implicit_state_space",
+        "ImplicitStateSpace",
+    ),
+    "bondgraph.simulation.sparse": (
+        "simulate_sparse",
+        "SparseSolution",
+        "SparseStatus",
+    ),
     "bondgraph.errors": ("BondGraphError",),
 }
 _WHERE = {name: home for home, names in _HOME.items() for name in names}
@@ -163,6 +172,12 @@ if TYPE_CHECKING:
     from bondgraph.fitting.simulate import simulate as simulate
     from bondgraph.loading import load_model as load_model
     from bondgraph.notebook import load_ipython_extension as load_ipython_extension
+    from bondgraph.numeric.implicit.matrices import (
+        ImplicitStateSpace as ImplicitStateSpace,
+    )
+    from bondgraph.numeric.implicit.matrices import (
+        implicit_state_space as implicit_state_space,
+    )
     from bondgraph.numeric.jacobian import jacobian as jacobian
     from bondgraph.numeric.nonlinear_io import to_nonlinear_io as to_nonlinear_io
     from bondgraph.numeric.state_space import SparseStateSpace as SparseStateSpace
@@ -210,6 +225,9 @@ if TYPE_CHECKING:
     from bondgraph.simulation.solvers import Hold as Hold
     from bondgraph.simulation.solvers import Sdirk2 as Sdirk2
     from bondgraph.simulation.solvers import Sdirk3 as Sdirk3
+    from bondgraph.simulation.sparse import SparseSolution as SparseSolution
+    from bondgraph.simulation.sparse import SparseStatus as SparseStatus
+    from bondgraph.simulation.sparse import simulate_sparse as simulate_sparse
     from bondgraph.structure.builder import BondGraph as BondGraph
     from bondgraph.structure.detectors import De as De
     from bondgraph.structure.detectors import Df as Df

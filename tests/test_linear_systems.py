@@ -381,3 +381,13 @@ def test_from_equations_names_units() -> None:
     assert (model.state_units, model.input_units) == (("N*s",), ("N",))
     assert model.output_units == ("m/s",)
     assert pytest.approx(np.array([[-1.5]])) == model.A
+
+
+def test_a_graph_with_no_states_and_no_inputs_has_an_empty_system() -> None:
+    graph = BondGraph("still")
+    graph.one("loop", R("one"), R("two"))
+    graph.measure("i", flow="loop")
+    graph.parameter("one", 1.0)
+    graph.parameter("two", 2.0)
+    system = state_space(graph.finish())
+    assert (system.A.shape, system.D.shape) == ((0, 0), (1, 0))

@@ -16,6 +16,7 @@ from bondgraph.equations.invariants import Invariants, invariants
 from bondgraph.equations.latex_names import latex as as_formula
 from bondgraph.equations.port_hamiltonian import PortHamiltonian, port_hamiltonian
 from bondgraph.equations.rendering import SHORT, as_latex, as_text
+from bondgraph.equations.sensitivities import sensitivities
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.equations.transfer_function import TransferFunction
 from bondgraph.errors import BondGraphError, EquationError, ParameterError
@@ -45,6 +46,12 @@ from bondgraph.structure.graph import FinishedGraph
 @click.option(
     "--hamiltonian", is_flag=True, help="Print the port-Hamiltonian form, if any."
 )
+@click.option(
+    "--sensitivities",
+    "show_sensitivities",
+    is_flag=True,
+    help="Print how gain and poles change with each parameter.",
+)
 @json_option
 @click.pass_obj
 def command(
@@ -58,6 +65,7 @@ def command(
     reasons: bool,
     show_energy: bool,
     hamiltonian: bool,
+    show_sensitivities: bool,
     json_file: str | None,
 ) -> None:
     r"""Derive causality, state equations and transfer functions of MODEL.
@@ -92,6 +100,8 @@ def command(
         session.say("transfer functions")
         for transfer in transfers:
             session.say("\n".join(_transfer_lines(transfer, numbers)))
+            if show_sensitivities and isinstance(transfer, TransferFunction):
+                session.say(str(sensitivities(transfer, graph.parameters)))
         for part in parts:
             session.say()
             session.say(part.as_text())

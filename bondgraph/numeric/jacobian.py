@@ -72,7 +72,7 @@ class Slopes:
             If the residuals do not determine the unknowns here.
         """
         n = self.model.n_states
-        if not self.model.n_unknowns:
+        if not self.model.n_unknowns or not self.explicit.shape[1]:
             followed = -self.explicit
         else:
             solve = factored(self.implicit, self.model)
