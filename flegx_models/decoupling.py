@@ -18,7 +18,7 @@ import numpy as np
 
 from bondgraph import FinishedGraph, ParameterSet, state_space
 from flegx_models import nonlinear_stance
-from flegx_models.neglected import neglected, weighted_poles
+from flegx_models.neglected import bending, neglected, weighted_poles
 from flegx_models.parameters import RECONCILED
 from flegx_models.planar_leg import (
     JOINTS,
@@ -219,7 +219,7 @@ def _assumption(
 
 def as_text(parameters: ParameterSet = RECONCILED) -> str:
     """Return the assumptions, and what is neglected, as aligned tables."""
-    costs = [
+    costs: list[tuple[str, ...]] = [
         ("model", "assumed", "gain", "without", "change", "pole", "over the range"),
         *map(_cost_cells, assumptions(parameters)),
     ]
@@ -234,7 +234,21 @@ def as_text(parameters: ParameterSet = RECONCILED) -> str:
         ("leg", "fastest pole under its weight, 1/s"),
         *((leg, _rounded(pole)) for leg, pole in weighted_poles(parameters).items()),
     ]
-    return "\n".join([*_aligned(costs), "", *_aligned(left_out), "", *_aligned(poles)])
+    bent = [
+        ("joint", "link bends at", "crossover", "gain there, alone", "opposed"),
+        *(
+            (
+                b.joint,
+                f"{b.resonance:.2f} rad/s",
+                f"{b.crossover:.2f} rad/s",
+                _percent(b.alone),
+                _percent(b.opposed),
+            )
+            for b in bending(parameters)
+        ),
+    ]
+    tables = ("\n".join(_aligned(table)) for table in (costs, left_out, poles, bent))
+    return "\n\n".join(tables)
 
 
 def _cost_cells(cost: Assumption) -> tuple[str, ...]:
@@ -263,7 +277,7 @@ def _percent(share: float) -> str:
     return f"{round(100 * share, 2) + 0.0:+.2f} %"
 
 
-def _aligned(rows: Sequence[tuple[str, ...]]) -> Iterator[str]:
+def _aligned(rows: Sequence[Sequence[str]]) -> Iterator[str]:
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))

@@ -1,9 +1,11 @@
-"""What chapter 4 leaves out of eq. 4.1: h(q, q̇) and G(q), as accelerations and poles.
+"""What chapter 4 leaves out: h(q, q̇), G(q) and the bending of the lower link.
 
 h is small because the drives' reflected inertia is large and the leg slow; gravity is
 not small and is compensated by feed-forward. `neglected` gives both over the range in
 which the leg works, beside what a motor can do; `weighted_poles` shows how the leg
-moves by itself where nothing compensates its weight.
+moves by itself where nothing compensates its weight. `bending` shows where a rigid
+link stops being one: on the ground the link bends against the drives' inertia, far
+below the 35 Hz at which it rings by itself.
 """
 
 from collections.abc import Iterator
@@ -12,12 +14,19 @@ from itertools import product
 
 import numpy as np
 
-from bondgraph import ParameterSet, state_space
+from bondgraph import FinishedGraph, ParameterSet, state_space
 from flegx_models.equation_of_motion import Leg
 from flegx_models.parameters import RECONCILED
+from flegx_models.parameters_control import CONTROL
 from flegx_models.parameters_datasheets import DATASHEETS
 from flegx_models.parameters_motion import MOTION
-from flegx_models.planar_leg import JOINTS, flying_leg, hanging_leg, standing_leg
+from flegx_models.planar_leg import (
+    JOINTS,
+    flying_leg,
+    hanging_leg,
+    springy_leg,
+    standing_leg,
+)
 from flegx_models.working_range import (
     Posture,
     flight_postures,
@@ -50,6 +59,28 @@ class Neglected:
     term: str
     acceleration: float
     share: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bending:
+    """What the bending of the lower link does to the standing leg at θ0.
+
+    Parameters
+    ----------
+    joint, crossover
+        The joint that is controlled, and its printed crossover frequency in rad/s.
+    resonance
+        rad/s, of the leg bending against both drives.
+    alone, opposed
+        Relative change of the magnitude of angle per motor torque at the crossover,
+        against rigid links: this motor alone, and the other opposing it.
+    """
+
+    joint: str
+    crossover: float
+    resonance: float
+    alone: float
+    opposed: float
 
 
 def neglected(parameters: ParameterSet = RECONCILED) -> tuple[Neglected, ...]:
@@ -97,10 +128,50 @@ def weighted_poles(parameters: ParameterSet = RECONCILED) -> dict[str, complex]:
     Imaginary where the leg swings, positive where it falls, zero where it floats.
     Without friction, and without the feed-forward that balances the weight.
     """
-    at = {f"q_{joint}": printed_posture()[joint] for joint in JOINTS}
     fastest = {}
     for name, factory in _LEGS.items():
         graph = factory(parameters).finish().with_parameters(_FRICTIONLESS)
-        poles = state_space(graph, at=at).poles()
+        poles = state_space(graph, at=_at_theta_0()).poles()
         fastest[name] = complex(max(poles, key=lambda pole: (abs(pole), pole.real)))
     return fastest
+
+
+def bending(parameters: ParameterSet = RECONCILED) -> tuple[Bending, ...]:
+    """Return what the bending of the link changes for the knee's and the hip's loop."""
+    weightless = {"g": 0.0}
+    springy = springy_leg(parameters).finish().with_parameters(weightless)
+    rigid = standing_leg(parameters).finish().with_parameters(weightless)
+    free = state_space(springy.with_parameters(_FRICTIONLESS), at=_at_theta_0())
+    resonance = float(np.abs(free.poles()).max())
+    rows = []
+    for joint, loop in (("knee", "lowerleg"), ("hip", "upperleg")):
+        crossover = value_of(CONTROL, f"crossover_{loop}_stance")
+        bent, stiff = (_responses(g, joint, crossover) for g in (springy, rigid))
+        alone, opposed = (b / s - 1 for b, s in zip(bent, stiff, strict=True))
+        rows.append(
+            Bending(
+                joint=joint,
+                crossover=crossover,
+                resonance=resonance,
+                alone=alone,
+                opposed=opposed,
+            )
+        )
+    return tuple(rows)
+
+
+def _responses(
+    graph: FinishedGraph, joint: str, frequency: float
+) -> tuple[float, float]:
+    """Return |angle / torque| of a joint: its motor alone, and opposed by the other."""
+    (other,) = set(JOINTS) - {joint}
+    system = state_space(graph, at=_at_theta_0())
+    row = system.response(np.array([frequency]))[0][
+        system.outputs.index(f"theta_{joint}")
+    ]
+    own = row[system.inputs.index(f"T_{joint}")]
+    return abs(own), abs(own - row[system.inputs.index(f"T_{other}")])
+
+
+def _at_theta_0() -> dict[str, float]:
+    return {f"q_{joint}": printed_posture()[joint] for joint in JOINTS}

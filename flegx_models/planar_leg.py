@@ -23,6 +23,7 @@ from bondgraph import (
     MTF,
     TF,
     BondGraph,
+    C,
     FinishedGraph,
     I,
     InsertElement,
@@ -32,8 +33,10 @@ from bondgraph import (
     Sf,
     displacement,
     p,
+    q,
 )
 from flegx_models.parameters import RECONCILED
+from flegx_models.parameters_chapter3 import CHAPTER_3
 
 JOINTS = ("hip", "knee")
 """The two joints, by the names of their junctions."""
@@ -46,10 +49,11 @@ _L, _G, _THETA_KNEE, _K_WORM = sympy.symbols("L g theta_knee K_worm_gear")
 _L_UPPER, _L_LOWER = sympy.symbols("l_cm_upperleg l_cm_lowerleg")
 _M_UPPER, _M_LOWER = sympy.symbols("m_upperleg m_lowerleg_link")
 _M_SUPPORT = sympy.Symbol("m_motors_support")
+_M_EQ, _F_1 = sympy.symbols("m_eq f_1")
 _I_UPPER, _I_LOWER = sympy.symbols("I_upperleg_link I_lowerleg")
 
 # A lever: a length and the angle at which it stands, for each joint that turns it.
-_Levers = Mapping[str, tuple[tuple[sympy.Symbol, sympy.Expr], ...]]
+_Levers = Mapping[str, tuple[tuple[sympy.Expr, sympy.Expr], ...]]
 _FOOT: _Levers = {"hip": ((_L, _HIP),), "knee": ((_L, _KNEE),)}
 
 
@@ -110,6 +114,27 @@ def standing_leg(
     leg = _standing("leg on the ground", drives)
     _foot(leg, "x")
     leg.measure("ground_x", effort="soil_x")
+    return _finished(leg, parameters)
+
+
+def springy_leg(parameters: ParameterSet = RECONCILED) -> BondGraph:
+    """Return the standing leg whose lower link bends (figure 2.2).
+
+    The foot yields across the link, against a spring of the stiffness that the first
+    natural frequency gives the link's equivalent mass: k = m_eq (2π f_1)² (section
+    3.1.3). The bending is small against L: levers are those of the straight link, whose
+    mass between its ends it does not move. The output ``bending`` (m) is how far the
+    foot has yielded.
+    """
+    leg = _leg("leg on the ground with a flexible link", JOINTS)
+    stiffness = _M_EQ * (2 * sympy.pi * _F_1) ** 2
+    leg.one("link", C("bend", law=stiffness * q), domain="translation")
+    across: _Levers = {**_FOOT, "link": ((sympy.S.One, _KNEE),)}
+    for axis in ("x", "y"):
+        _foot(leg, axis, across)
+    leg.measure("bending", displacement="link")
+    leg.measure("height", displacement="support")
+    leg.take(CHAPTER_3.restricted((_M_EQ.name, _F_1.name)))
     return _finished(leg, parameters)
 
 
@@ -185,12 +210,12 @@ def _mass(leg: BondGraph, link: str, mass: sympy.Symbol, levers: _Levers) -> Non
         _moved(leg, place, axis, levers)
 
 
-def _foot(leg: BondGraph, axis: str) -> None:
+def _foot(leg: BondGraph, axis: str, levers: _Levers = _FOOT) -> None:
     """Hold the foot along one axis."""
     place = f"foot_{axis}"
     soil = Sf(f"soil_{axis}", value=sympy.S.Zero)
     leg.one(place, soil, domain="translation")
-    _moved(leg, place, axis, _FOOT)
+    _moved(leg, place, axis, levers)
 
 
 def _moved(leg: BondGraph, place: str, axis: str, levers: _Levers) -> None:

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from flegx_models import decoupling
-from flegx_models.neglected import neglected, weighted_poles
+from flegx_models.neglected import bending, neglected, weighted_poles
 from flegx_models.parameters import RECONCILED
+from flegx_models.parameters_chapter3 import CHAPTER_3
 from flegx_models.parameters_datasheets import DATASHEETS
 from flegx_models.working_range import (
     flight_postures,
@@ -168,6 +169,35 @@ def test_a_standing_leg_falls_and_a_hanging_one_swings():
     assert abs(poles["hanging"].imag) == pytest.approx(swings, rel=0.01)
     assert poles["standing"].imag == pytest.approx(0, abs=1e-9)
     assert poles["standing"].real > 0
+
+
+def bent_leg():
+    """Return M and K of the standing leg in hip and knee; the link closes the ring.
+
+    The foot yields by -L (θ1' + φ'), so knee and support follow from the hip alone.
+    """
+    upper, lower, L = V["l_cm_upperleg"], V["l_cm_lowerleg"], V["L"]
+    hip = DRIVE + V["I_gear"] + V["I_upperleg_link"] - V["m_upperleg"] * upper**2
+    hip += V["m_motors_support"] * (2 * L * SIN) ** 2 + V["m_lowerleg_link"] * L**2
+    hip += V["m_upperleg"] * (((2 * L - upper) * SIN) ** 2 + (upper * COS) ** 2)
+    knee = DRIVE + V["I_gear_tendons"] + V["I_lowerleg"]
+    both = V["m_lowerleg_link"] * L * lower
+    k = CHAPTER_3["m_eq"].value * (2 * math.pi * CHAPTER_3["f_1"].value) ** 2
+    return np.array([[hip, both], [both, knee]]), k * L**2 * np.ones((2, 2))
+
+
+def test_the_link_bends_against_both_drives():
+    M, K = bent_leg()
+    squared = np.linalg.eigvals(np.linalg.solve(M, K)).real
+    for row in bending():
+        assert row.resonance == pytest.approx(math.sqrt(squared.max()), rel=1e-9)
+        i = ("hip", "knee").index(row.joint)
+        response = np.linalg.inv(K - row.crossover**2 * M)[i]
+        rigid = row.crossover**2 * standing_inertia(2)
+        # Bearings are negligible here, which by hand they are left out for.
+        assert row.alone == pytest.approx(abs(response[i]) * rigid - 1, abs=1e-5)
+        pair = abs(response[i] - response[1 - i]) * rigid / 2 - 1
+        assert row.opposed == pytest.approx(pair, abs=1e-5)
 
 
 def test_the_page_shows_the_tables_as_they_are():
