@@ -15,7 +15,8 @@ from bondgraph.loopshaping.loop import Loop
 from bondgraph.loopshaping.measures import measure
 from bondgraph.loopshaping.prototype import SecondOrderPrototype
 from bondgraph.loopshaping.requirements import NoiseGain, Specification
-from bondgraph.loopshaping.shaping import Design, Free, shape
+from bondgraph.loopshaping.shaping import Design, shape
+from bondgraph.loopshaping.sizing import Free
 from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain
 from bondgraph.reporting.loop_pictures import (
     SheetRow,

@@ -35,12 +35,8 @@ from bondgraph.loopshaping.requirements import (
     SettlingTime,
     Specification,
 )
-from bondgraph.loopshaping.shaping import (
-    DesignStatus,
-    Free,
-    cancelling_zero,
-    shape,
-)
+from bondgraph.loopshaping.shaping import DesignStatus, cancelling_zero, shape
+from bondgraph.loopshaping.sizing import Free
 from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "examples"))

@@ -64,7 +64,8 @@ from bondgraph.loopshaping.requirements import (
     SettlingTime,
     Specification,
 )
-from bondgraph.loopshaping.shaping import Free, cancelling_zero
+from bondgraph.loopshaping.shaping import cancelling_zero
+from bondgraph.loopshaping.sizing import Free
 from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain
 
 CANCEL = "cancel"
