@@ -3,6 +3,7 @@
 import ast
 import itertools
 import math
+import runpy
 from decimal import Decimal
 from importlib import import_module
 from pathlib import Path
@@ -171,7 +172,7 @@ def literals(path):
 
 
 def digits(number):
-    return len(Decimal(repr(number)).normalize().as_tuple().digits)
+    return len(Decimal(repr(float(number))).normalize().as_tuple().digits)
 
 
 def code():
@@ -396,3 +397,23 @@ def test_a_stance_model_moves_the_support_by_2_l_sin_theta():
     )
     L, theta_0 = values["L"], values["theta_0"]
     assert height / theta == pytest.approx(-2 * L * math.sin(theta_0))
+
+
+# -- the figures ----------------------------------------------------------------------
+
+
+def test_the_example_draws_the_figures_of_chapter_4(tmp_path):
+    """Every element by name, and the bonds numbered as the thesis numbers them."""
+    path = Path(__file__).parent.parent / "examples" / "chapter4_models.py"
+    example = runpy.run_path(str(path))
+    bonds = {"flight": 11, "stance": 15}
+    for name, factory in {**example["FIGURES"], **example["BEYOND"]}.items():
+        look = {"labels": "numbers"} if name in example["FIGURES"] else {}
+        example["draw"](factory(), tmp_path / f"{name}.svg", **look)
+        svg = (tmp_path / f"{name}.svg").read_text(encoding="utf-8")
+        graph = factory().finish()
+        assert all(node.name in svg for node in graph.nodes)
+        if name in example["FIGURES"]:
+            assert len(graph.bonds) == bonds[name.rpartition("_")[2]]
+    for name in ("lowerleg_stance", "upperleg_stance"):
+        assert example["same"](name)
