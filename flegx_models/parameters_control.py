@@ -136,7 +136,9 @@ def _chosen(name: str, value: float, unit: str, reason: str) -> Parameter:
 CHOSEN = ParameterSet(
     (
         _chosen("mu_ground", 0.8, "1", "rubber on a floor; a smaller one lets it slip"),
-        _chosen("creep", 2000.0, "N*s/m", "grip of the foot before it slips, smoothed"),
+        _chosen("creep", 2e5, "N*s/m", "grip of the foot before it slips, smoothed"),
+        _chosen("rope_stiffness", 1e5, "N/m", "2 m of a steel cable of 2 mm"),
+        _chosen("rope_damping", 100.0, "N*s/m", "a tenth of critical, with 5 kg on it"),
         _chosen("torque_noise", 0.05, "N*m", "noise of the knee torque sensor, rms"),
         _chosen("torque_band", 2.0, "N*m", "change that the phase detection trusts"),
         _chosen("substeps", 10.0, "1", "integration steps per sampling period"),

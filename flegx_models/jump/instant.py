@@ -1,17 +1,15 @@
 """One short step of the leg: who sticks, who slips, who is in touch.
 
 Over a step of h seconds (or in an instant, h = 0, for an impact) the unknowns are the
-new speeds, the impulses T of the worm wheels on the joints, those of the ground on the
-foot and that of the rope. Every dry thing is a choice between a few linear laws:
+new speeds, the impulses T of the worm wheels on the joints and those of the ground on
+the foot. Every dry thing is a choice between a few linear laws:
 
 - a worm turns one way or the other, under either sign of T (`flegx_models.jump.worm`),
   or is held, its motor side's impulse anywhere between the limits;
 - the foot, where it is down, pushes and does not sink, or rises and does not push;
   along the ground it grips (with a small creep, the only smoothed law, because two
   held worms and a gripping foot would leave the forces undetermined), or slips either
-  way at the limit of Coulomb's friction;
-- the rope, where it is taut, pulls, or goes slack.
-
+  way at the limit of Coulomb's friction.
 A choice makes the step a linear system; its solution must agree with the choice. They
 are tried from the last one outwards, so that nothing is smoothed and nothing guessed.
 """
@@ -38,12 +36,11 @@ _TOLERANCE = 1e-10
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Which law holds for the worms of hip and knee, the foot and the rope."""
+    """Which law holds for the worms of hip and knee and for the foot."""
 
     hip: tuple[int, int] = HELD
     knee: tuple[int, int] = HELD
     foot: str = OPEN
-    taut: bool = False
 
     @property
     def worms(self) -> tuple[tuple[int, int], tuple[int, int]]:
@@ -69,11 +66,11 @@ class Step:
     Parameters
     ----------
     speeds
-        New v of support, hip and knee, and of the counterweight where there is one.
+        New v of support, hip and knee.
     meshes
         Impulses of the worm wheels on hip and knee, N·m·s.
-    push, grip, pull
-        Impulses of the ground up and forward on the foot, and of the rope, N·s.
+    push, grip
+        Impulses of the ground up and forward on the foot, N·s.
     """
 
     choice: Choice
@@ -81,7 +78,6 @@ class Step:
     meshes: Array
     push: float
     grip: float
-    pull: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,15 +87,13 @@ class Problem:
     Parameters
     ----------
     speeds
-        v before the step, (4,); the last one of the counterweight.
+        v before the step, (3,).
     torques
         N T_motor of hip and knee, N·m at the joint.
-    down, taut
-        Whether the foot is on the ground, and whether the rope is stretched.
-    counterweight
-        kg; 0 for none.
-    gravity
-        m/s².
+    pull
+        Force of the rope on the support, N.
+    down
+        Whether the foot is on the ground.
     """
 
     posture: Posture
@@ -107,10 +101,8 @@ class Problem:
     torques: tuple[float, float]
     worms: tuple[WormGear, WormGear]
     ground: Ground
+    pull: float
     down: bool
-    taut: bool
-    counterweight: float
-    gravity: float
 
 
 def solve(problem: Problem, duration: float, last: Choice) -> Step:
@@ -128,7 +120,7 @@ def solve(problem: Problem, duration: float, last: Choice) -> Step:
     BondGraphError
         If no choice agrees with its solution.
     """
-    for choice in _ordered(last, problem.down, problem.taut):
+    for choice in _ordered(last, problem.down):
         step = _solved(problem, duration, choice)
         if step is not None and _agrees(problem, duration, step):
             return step
@@ -140,49 +132,45 @@ def solve(problem: Problem, duration: float, last: Choice) -> Step:
 
 
 @cache
-def _ordered(last: Choice, down: bool, taut: bool) -> tuple[Choice, ...]:
+def _ordered(last: Choice, down: bool) -> tuple[Choice, ...]:
     """Return all choices, those that differ least from `last` first."""
     feet = (GRIPS, SLIPS_BACK, SLIPS_FORTH, OPEN) if down else (OPEN,)
-    ropes = (True, False) if taut else (False,)
-    choices = [Choice(*c) for c in product(_WORMS, _WORMS, feet, ropes)]
+    choices = [Choice(*c) for c in product(_WORMS, _WORMS, feet)]
 
     def differences(choice: Choice) -> int:
         return (
             (choice.hip != last.hip)
             + (choice.knee != last.knee)
             + (choice.foot != last.foot)
-            + (choice.taut != last.taut)
         )
 
     return tuple(sorted(choices, key=differences))
 
 
-# Rows and columns: three coordinates, two meshes, push, grip; counterweight, pull.
-_MESH, _PUSH, _GRIP, _WEIGHT, _PULL = 3, 5, 6, 7, 8
+# Rows and columns: three coordinates, two meshes, push, grip.
+_MESH, _PUSH, _GRIP, _SIZE = 3, 5, 6, 7
 
 
 def _solved(problem: Problem, h: float, choice: Choice) -> Step | None:
-    A, right = np.zeros((9, 9)), np.zeros(9)
+    A, right = np.zeros((_SIZE, _SIZE)), np.zeros(_SIZE)
     mass, v = problem.posture.mass, problem.speeds
     A[:3, :3] = mass
     A[1, _MESH] = A[2, _MESH + 1] = -1.0
     A[:3, _PUSH], A[:3, _GRIP] = -problem.posture.foot[1], -problem.posture.foot[0]
-    A[0, _PULL] = -1.0
-    right[:3] = mass @ v[:3] + h * problem.posture.bias
+    right[:3] = mass @ v + h * problem.posture.bias
+    right[0] += h * problem.pull
     _worm_rows(problem, h, choice, A, right)
     _foot_rows(problem, choice, A)
-    _rope_rows(problem, h, choice, A, right)
     try:
         x = np.linalg.solve(A, right)
     except np.linalg.LinAlgError:
         return None  # a choice that fixes nothing cannot be the one
     return Step(
         choice=choice,
-        speeds=np.append(x[:3], x[_WEIGHT]),
+        speeds=x[:3],
         meshes=x[_MESH:_PUSH],
         push=float(x[_PUSH]),
         grip=float(x[_GRIP]),
-        pull=float(x[_PULL]),
     )
 
 
@@ -217,27 +205,10 @@ def _foot_rows(problem: Problem, choice: Choice, A: Array) -> None:
         A[_GRIP, _PUSH] = _SLIP[choice.foot] * problem.ground.friction
 
 
-def _rope_rows(
-    problem: Problem, h: float, choice: Choice, A: Array, right: Array
-) -> None:
-    m = problem.counterweight
-    if not m:
-        A[_WEIGHT, _WEIGHT] = A[_PULL, _PULL] = 1.0
-        return
-    A[_WEIGHT, _WEIGHT], A[_WEIGHT, _PULL] = m, -1.0
-    right[_WEIGHT] = m * (problem.speeds[3] - h * problem.gravity)
-    if choice.taut:
-        A[_PULL, 0] = A[_PULL, _WEIGHT] = 1.0  # up on one side, down on the other
-    else:
-        A[_PULL, _PULL] = 1.0
-
-
 def _agrees(problem: Problem, h: float, step: Step) -> bool:
     """Return whether the solution is of the kind that its choice says."""
-    return (
-        all(_worm_agrees(problem, h, step, k) for k in (0, 1))
-        and _foot_agrees(problem, step)
-        and _rope_agrees(problem, step)
+    return _foot_agrees(problem, step) and all(
+        _worm_agrees(problem, h, step, k) for k in (0, 1)
     )
 
 
@@ -256,7 +227,7 @@ def _worm_agrees(problem: Problem, h: float, step: Step, k: int) -> bool:
 
 def _foot_agrees(problem: Problem, step: Step) -> bool:
     foot = step.choice.foot
-    along, up = (float(x) for x in problem.posture.foot @ step.speeds[:3])
+    along, up = (float(x) for x in problem.posture.foot @ step.speeds)
     if foot == OPEN:
         return not problem.down or up >= -_TOLERANCE
     if step.push < -_TOLERANCE:
@@ -265,8 +236,3 @@ def _foot_agrees(problem: Problem, step: Step) -> bool:
         return abs(step.grip) <= problem.ground.friction * step.push + _TOLERANCE
     return _SLIP[foot] * along >= -_TOLERANCE
 
-
-def _rope_agrees(problem: Problem, step: Step) -> bool:
-    if step.choice.taut:
-        return step.pull >= -_TOLERANCE
-    return not problem.taut or step.speeds[0] + step.speeds[3] >= -_TOLERANCE

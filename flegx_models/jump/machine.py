@@ -5,8 +5,11 @@ the new speeds from `flegx_models.jump.instant` there, the other half. Events ar
 
 - touch-down, located where the foot meets the ground, with an impulse there: the foot
   does not bounce, the worms rub or lock under the impulse like under any other load;
-- lift-off, where the ground would have to pull;
-- the rope going slack and taut again, of the same kind.
+- lift-off, where the ground would have to pull.
+
+The counterweight hangs on a rope over a pulley: a stiff spring with some damping that
+can only pull. A rigid one would pass the touch-down on to the counterweight as a second
+impact, and the foot and the rope would throw each other back and forth.
 
 The energy ledger adds what the motors put in and what friction and impacts take, each
 impulse with the mean of the speeds before and after. The difference to the energy that
@@ -32,8 +35,6 @@ class EventKind(StrEnum):
 
     TOUCH_DOWN = "touch-down"
     LIFT_OFF = "lift-off"
-    ROPE_TAUT = "rope taut"
-    ROPE_SLACK = "rope slack"
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,11 +57,13 @@ class Ledger:
     worms: float = 0.0
     sliding: float = 0.0
     impacts: float = 0.0
+    rope: float = 0.0
 
     @property
     def balance(self) -> float:
         """What the leg's own energy should have gained."""
-        return self.motors - self.worms - self.sliding - self.impacts
+        losses = self.worms + self.sliding + self.impacts + self.rope
+        return self.motors - losses
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,8 +74,8 @@ class Condition:
     ----------
     q, v
         Support height, hip and knee angle, counterweight height; and their rates.
-    down, taut
-        Whether foot and rope are in touch.
+    down
+        Whether the foot is on the ground.
     meshes
         Torques that the worm wheels pass on to hip and knee, N·m, over the last step.
     push, pull
@@ -83,7 +86,6 @@ class Condition:
     q: Array
     v: Array
     down: bool
-    taut: bool
     choice: Choice
     meshes: Array = field(default_factory=lambda: np.zeros(2))
     push: float = 0.0
@@ -92,8 +94,33 @@ class Condition:
     events: tuple[Event, ...] = ()
 
 
-_HITS = 50
+_HITS = 20
 _NEAR = 1e-12  # m: a gap that counts as closed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Counterweight:
+    """A mass on a rope over a pulley; the rope only pulls.
+
+    ``mass`` in kg, ``stiffness`` in N/m and ``damping`` in N·s/m of the rope.
+    """
+
+    mass: float
+    stiffness: float
+    damping: float
+
+    def stretch(self, q: Array) -> float:
+        """Return by how much the rope is stretched, in m, not negative."""
+        return max(-float(q[0] + q[3]), 0.0)
+
+    def pull(self, q: Array, v: Array) -> tuple[float, float]:
+        """Return the rope's force in N and the part of it that is damping."""
+        stretch = self.stretch(q)
+        if not stretch:
+            return 0.0, 0.0
+        elastic = self.stiffness * stretch
+        force = max(elastic - self.damping * float(v[0] + v[3]), 0.0)
+        return force, force - elastic
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,13 +130,13 @@ class Machine:
     Parameters
     ----------
     counterweight
-        Mass on the rope in kg; 0 for none.
+        None for the leg alone.
     """
 
     leg: Leg
     worms: tuple[WormGear, WormGear]
     ground: Ground
-    counterweight: float = 0.0
+    counterweight: Counterweight | None = None
 
     @property
     def gravity(self) -> float:
@@ -121,24 +148,26 @@ class Machine:
         posture = np.array([0.0, hip, knee, 0.0])
         posture[0] = -self.leg.foot_height(posture)
         posture[3] = -posture[0]
+        if self.counterweight is not None:
+            hung = self.counterweight.mass * self.gravity
+            posture[3] -= hung / self.counterweight.stiffness
         return Condition(
-            time=0.0,
-            q=posture,
-            v=np.zeros(4),
-            down=True,
-            taut=bool(self.counterweight),
-            choice=Choice(foot=GRIPS, taut=bool(self.counterweight)),
+            time=0.0, q=posture, v=np.zeros(4), down=True, choice=Choice(foot=GRIPS)
         )
 
     def energy(self, condition: Condition) -> float:
         """Return kinetic and potential energy of everything that moves, in J."""
         q, v = condition.q, condition.v
         mass = self.leg.at(q, v[:3]).mass
-        kinetic = v[:3] @ mass @ v[:3] + self.counterweight * v[3] ** 2
+        kinetic = v[:3] @ mass @ v[:3]
         for worm, speed in zip(self.worms, v[1:3], strict=True):
             kinetic += worm.inertia * speed**2
-        raised = self.counterweight * self.gravity * q[3]
-        return float(kinetic / 2 + self.leg.potential(q) + raised)
+        whole = kinetic / 2 + self.leg.potential(q)
+        weight = self.counterweight
+        if weight is not None:
+            whole += weight.mass * (v[3] ** 2 / 2 + self.gravity * q[3])
+            whole += weight.stiffness * weight.stretch(q) ** 2 / 2
+        return float(whole)
 
     def clearance(self, condition: Condition) -> float:
         """Return the height of the foot above the ground in m."""
@@ -157,134 +186,137 @@ class Machine:
         left = duration
         for _ in range(_HITS):
             after = self._stepped(condition, torques, left)
-            hit = self._first_hit(condition, after, torques, left)
-            if hit is None:
+            lapse = self._hit(condition, after, torques, left)
+            if lapse is None:
                 return after
-            gap, lapse = hit
-            condition = self._struck(self._stepped(condition, torques, lapse), gap)
+            condition = self._struck(self._stepped(condition, torques, lapse))
             left -= lapse
         return self._stepped(condition, torques, left)
 
-    def _gaps(self, condition: Condition) -> dict[str, float]:
-        """Return the gaps that are open now and may close."""
-        gaps = {}
-        if not condition.down:
-            gaps["foot"] = self.clearance(condition)
-        if self.counterweight and not condition.taut:
-            gaps["rope"] = float(condition.q[0] + condition.q[3])
-        return gaps
-
-    def _first_hit(
+    def _hit(
         self,
         before: Condition,
         after: Condition,
         torques: tuple[float, float],
         duration: float,
-    ) -> tuple[str, float] | None:
-        """Return which gap closes first during the step, and when."""
-        ends = self._gaps(after)
-        hits = []
-        for gap, start in self._gaps(before).items():
-            if ends.get(gap, 0.0) >= min(start, 0.0) - _NEAR:
-                continue
-
-            def remaining(lapse: float, gap: str = gap) -> float:
-                return self._gaps(self._stepped(before, torques, lapse))[gap]
-
-            hits.append((_crossing(remaining, duration, start), gap))
-        if not hits:
+    ) -> float | None:
+        """Return when the foot meets the ground during the step, if it does."""
+        if before.down or after.down:
             return None
-        lapse, gap = min(hits)
-        return gap, lapse
+        start = self.clearance(before)
+        if self.clearance(after) >= min(start, 0.0) - _NEAR:
+            return None
+
+        def remaining(lapse: float) -> float:
+            return self.clearance(self._stepped(before, torques, lapse))
+
+        return _crossing(remaining, duration, start)
 
     def _stepped(
         self, before: Condition, torques: tuple[float, float], h: float
     ) -> Condition:
-        """Return the condition after a step in which no gap closes."""
+        """Return the condition after a step in which the foot does not land."""
         if h == 0.0:
             return before
         middle = before.q + h / 2 * before.v
-        step, problem = self._solved(before, middle, torques, h)
-        q = middle + h / 2 * step.speeds
+        force, damping, fall = self._rope(middle, before.v, h)
+        step, problem = self._solved(before, middle, torques, h, force)
+        v = np.append(step.speeds, fall)
+        ledger = _entered(before.ledger, problem, step, h)
+        stretching = -(before.v[0] + before.v[3] + v[0] + v[3]) / 2
         after = replace(
             before,
             time=before.time + h,
-            q=q,
-            v=step.speeds,
+            q=middle + h / 2 * v,
+            v=v,
             meshes=step.meshes / h,
             push=step.push / h,
-            pull=step.pull / h,
-            ledger=_entered(before.ledger, problem, step, h),
+            pull=force,
+            ledger=replace(
+                ledger, rope=ledger.rope + float(h * damping * stretching)
+            ),
         )
-        return self._held_together(self._parted(after, step))
+        return self._held_down(self._parted(after, step))
 
-    def _struck(self, before: Condition, gap: str) -> Condition:
-        """Return the condition after the impact that closes `gap`."""
-        # Tried as closed first: what closes without impulse must not part again.
-        foot = GRIPS if gap == "foot" else before.choice.foot
-        taut = before.taut or gap == "rope"
-        closed = replace(
-            before,
-            down=before.down or gap == "foot",
-            taut=taut,
-            choice=replace(before.choice, foot=foot, taut=taut),
+    def _rope(self, q: Array, v: Array, h: float) -> tuple[float, float, float]:
+        """Return force, its damping part, and the counterweight's new speed."""
+        if self.counterweight is None:
+            return 0.0, 0.0, 0.0
+        force, damping = self.counterweight.pull(q, v)
+        rise = force / self.counterweight.mass - self.gravity
+        return force, damping, float(v[3]) + h * rise
+
+    def _struck(self, before: Condition) -> Condition:
+        """Return the condition after the foot has met the ground."""
+        # Tried as gripping first: what lands without impulse must not part again.
+        landing = replace(
+            before, down=True, choice=replace(before.choice, foot=GRIPS)
         )
-        step, problem = self._solved(closed, closed.q, (0.0, 0.0), 0.0)
-        kind = EventKind.TOUCH_DOWN if gap == "foot" else EventKind.ROPE_TAUT
-        impulse = step.push if gap == "foot" else step.pull
+        step, problem = self._solved(landing, landing.q, (0.0, 0.0), 0.0, 0.0)
         struck = replace(
-            closed,
-            v=step.speeds,
+            landing,
+            v=np.append(step.speeds, before.v[3]),
             ledger=_entered(before.ledger, problem, step, 0.0),
-            events=(*before.events, Event(kind, before.time, impulse)),
+            events=(
+                *before.events,
+                Event(EventKind.TOUCH_DOWN, before.time, step.push),
+            ),
         )
         return self._parted(struck, step)
 
     def _solved(
-        self, condition: Condition, q: Array, torques: tuple[float, float], h: float
+        self,
+        condition: Condition,
+        q: Array,
+        torques: tuple[float, float],
+        h: float,
+        pull: float,
     ) -> tuple[Step, Problem]:
         problem = Problem(
-            posture=self.leg.at(q[:3], condition.v[:3]),
-            speeds=condition.v,
+            posture=self.leg.at(q, condition.v[:3]),
+            speeds=condition.v[:3],
             torques=torques,
             worms=self.worms,
             ground=self.ground,
+            pull=pull,
             down=condition.down,
-            taut=condition.taut,
-            counterweight=self.counterweight,
-            gravity=self.gravity,
         )
         return solve(problem, h, condition.choice), problem
 
     def _parted(self, condition: Condition, step: Step) -> Condition:
-        """Return the condition with what has separated marked as open."""
-        events = list(condition.events)
-        down, taut = step.choice.foot != OPEN, step.choice.taut
+        """Return the condition with the foot marked as off where it has left."""
+        down, events = step.choice.foot != OPEN, condition.events
         if condition.down and not down:
-            events.append(Event(EventKind.LIFT_OFF, condition.time))
-        if condition.taut and not taut:
-            events.append(Event(EventKind.ROPE_SLACK, condition.time))
-        return replace(
-            condition, down=down, taut=taut, choice=step.choice, events=tuple(events)
-        )
+            events = (*events, Event(EventKind.LIFT_OFF, condition.time))
+        return replace(condition, down=down, choice=step.choice, events=events)
 
-    def _held_together(self, condition: Condition) -> Condition:
-        """Return the condition without the drift of closed gaps, of order h²."""
+    def _held_down(self, condition: Condition) -> Condition:
+        """Return the condition without the foot's drift on the ground, of order h²."""
+        if not condition.down:
+            return condition
         q = condition.q.copy()
-        if condition.down:
-            q[0] -= self.leg.foot_height(q)
-        if condition.taut:
-            q[3] = -q[0]
+        q[0] -= self.leg.foot_height(q)
         return replace(condition, q=q)
 
 
 def _crossing(gap: Callable[[float], float], end: float, start: float) -> float:
-    """Return when a gap that is negative at `end` closes."""
+    """Return when a gap that is negative at `end` closes.
+
+    One that has just opened is zero at the start, rises and falls again: its crossing
+    is sought behind the top of the parabola through what is known of it.
+    """
     from scipy.optimize import brentq  # noqa: PLC0415
 
-    if start <= 0.0:
-        return 0.0
-    return float(brentq(gap, 0.0, end, xtol=1e-3 * _NEAR))
+    first = 0.0
+    if start <= _NEAR:
+        half, whole = gap(end / 2) - start, gap(end) - start
+        rise, bend = 4 * half - whole, 2 * whole - 4 * half
+        if rise <= 0.0 or bend >= 0.0:
+            return 0.0
+        first = -rise / (2 * bend) * end
+        if gap(first) <= 0.0:
+            return 0.0
+    return float(brentq(gap, first, end, xtol=_NEAR * end))
 
 
 def _entered(ledger: Ledger, problem: Problem, step: Step, h: float) -> Ledger:
@@ -297,11 +329,13 @@ def _entered(ledger: Ledger, problem: Problem, step: Step, h: float) -> Ledger:
         rubbed = put - worm.inertia * change[1 + k] - step.meshes[k]
         motors += put * mean[1 + k]
         worms += rubbed * mean[1 + k]
-    along, up = problem.posture.foot @ mean[:3]
-    return Ledger(
+    along, up = problem.posture.foot @ mean
+    # Between impacts the foot does not move upwards, and the ground's push works not.
+    struck = 0.0 if h else step.push * up
+    return replace(
+        ledger,
         motors=ledger.motors + float(motors),
         worms=ledger.worms + float(worms),
         sliding=ledger.sliding - float(step.grip * along),
-        impacts=ledger.impacts
-        - float(step.push * up + step.pull * (mean[0] + mean[3])),
+        impacts=ledger.impacts - float(struck),
     )

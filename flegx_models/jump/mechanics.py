@@ -135,7 +135,9 @@ def symbolic_mechanics(
         row = residual.xreplace(at)
         slope = row.diff(unknown)
         found[unknown] = -(row - slope * unknown) / slope
-    momenta = dict(zip((s.place for s in equations.states), equations.rates, strict=True))
+    momenta = dict(
+        zip((s.place for s in equations.states), equations.rates, strict=True)
+    )
     inertias = {symbol.name: symbol for symbol in equations.parameters}
     rows = [
         inertias[carrier] * rate - momenta[carrier].xreplace(at).xreplace(found)
@@ -155,9 +157,7 @@ def _leaves(equations: Any) -> dict[sympy.Symbol, sympy.Expr]:
     at: dict[sympy.Symbol, sympy.Expr] = {}
     by_place = {state.place: state for state in equations.states}
     inertias = {symbol.name: symbol for symbol in equations.parameters}
-    for name, speed, rate, q in zip(
-        COORDINATES, _SPEEDS, _RATES, _PLACES, strict=True
-    ):
+    for name, speed, rate, q in zip(COORDINATES, _SPEEDS, _RATES, _PLACES, strict=True):
         carrier = _CARRIERS[COORDINATES.index(name)]
         if name not in by_place or carrier not in by_place:
             raise BondGraphError(
