@@ -25,7 +25,7 @@ from bondgraph.reporting.loop_tables import measures_text, measures_to_dict
 LEG = "flegx_models.models:lowerleg_flight"
 SPEC = """
 [[series]]
-gain = 0.2
+gain = 1.312e4
 zeros = [-4403]
 poles = [-4201, -1.61e6]
 [[feedback]]
@@ -64,6 +64,7 @@ def test_a_leg_is_shaped_from_its_graph(spec, tmp_path):
     assert design["status"] == "met"
     # the zero lies on the friction pole c/J that the graph gives
     numbers = design["controller"]["numbers"]
+    assert f"lead: gain {numbers['gain']:.5g}, zero 0.0014623" in result.stdout
     assert numbers["zero"] == pytest.approx(0.00146234, rel=1e-4)
     assert numbers["pole"] == 50
     assert design["binding"] == ["peak sensitivity"]

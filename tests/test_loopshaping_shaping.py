@@ -345,6 +345,16 @@ def test_no_gain_stabilises_what_cannot_be_stabilised():
     assert not design.measures.stable
 
 
+def test_a_gain_that_nothing_limits_is_said_to_be_so():
+    lag = ZeroPoleGain(poles=(-2.0,), gain=1.0)  # never beyond -90°
+    design = shape(lag, Gain(), Specification(requirements=(PhaseMargin(60),)))
+    assert design.met
+    assert design.binding == ()
+    assert "Nothing that is required stops a gain larger" in design.reasons[0]
+    limited = Specification(requirements=(PhaseMargin(60), NoiseGain(5, omega=100.0)))
+    assert shape(lag, Gain(), limited).binding == ("noise gain",)
+
+
 def test_the_settling_time_is_a_requirement_too():
     loop = Assessment(Loop(plant=ZeroPoleGain(poles=(0,), gain=4.0)))
     verdict = SettlingTime(0.5).verdict(loop)

@@ -8,7 +8,7 @@
     at = {theta = 0.3}                # operating point of a nonlinear model
 
     [[series]]                        # between controller and model
-    gain = 5.0
+    gain = 1.3e4                      # ratio of the leading coefficients
     zeros = [-4403]
     poles = [-4201, -1.61e6]          # complex ones as [real, imaginary]
 

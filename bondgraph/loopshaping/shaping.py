@@ -163,9 +163,14 @@ def _reasons(
     met: bool,
 ) -> list[str]:
     gain = f"gain {controller.value('gain'):.5g}"
-    if met:
-        by = " and ".join(binding) or "stability"
-        reasons = [f"The {gain} is the largest that the {by} allows."]
+    if met and binding:
+        verb = "allows" if len(binding) == 1 else "allow"
+        reasons = [f"The {gain} is the largest that {' and '.join(binding)} {verb}."]
+    elif met:
+        reasons = [
+            f"Nothing that is required stops a gain larger than {gain[5:]}; it is "
+            f"where the search begins. Limit the noise gain as well."
+        ]
     else:
         reasons = [f"The {gain} misses the requirements least."]
     for number in free:

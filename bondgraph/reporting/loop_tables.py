@@ -26,12 +26,19 @@ def design_text(design: Design) -> str:
     ]
     blocks = [
         design.statement,
-        f"controller  {design.loop.controller}",
+        f"controller  {design.loop.controller}\n{_numbers(design)}",
         "\n".join(design.reasons),
         _aligned(required),
         _aligned([(name, value) for name, value in _figures(design.measures)]),
     ]
     return "\n\n".join(blocks)
+
+
+def _numbers(design: Design) -> str:
+    """Return the controller's kind and numbers, as they can be written down again."""
+    controller = design.controller
+    numbers = ", ".join(f"{p} {controller.value(p):.5g}" for p in controller.paths())
+    return f"{controller.kind}: {numbers}"
 
 
 def measures_text(measures: LoopMeasures) -> str:
