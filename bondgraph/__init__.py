@@ -121,6 +121,53 @@ _HOME = {
         "SparseSolution",
         "SparseStatus",
     ),
+    "bondgraph.loopshaping.measures": (
+        "measure",
+        "LoopMeasures",
+        "Stability",
+    ),
+    "bondgraph.loopshaping.loop": (
+        "Loop",
+        "zero_pole_gain",
+    ),
+    "bondgraph.loopshaping.zero_pole_gain": ("ZeroPoleGain",),
+    "bondgraph.loopshaping.controllers": (
+        "Gain",
+        "Lead",
+        "LeadLag",
+        "PI",
+        "Notch",
+        "RollOff",
+        "Product",
+    ),
+    "bondgraph.loopshaping.prototype": ("SecondOrderPrototype",),
+    "bondgraph.loopshaping.requirements": (
+        "Specification",
+        "PhaseMargin",
+        "GainMargin",
+        "DelayMargin",
+        "PeakSensitivity",
+        "PeakComplementary",
+        "Crossover",
+        "NoiseGain",
+        "Overshoot",
+        "SettlingTime",
+    ),
+    "bondgraph.loopshaping.shaping": (
+        "shape",
+        "Design",
+        "DesignStatus",
+        "Free",
+    ),
+    "bondgraph.loopshaping.friction": (
+        "FrictionRule",
+        "with_friction_pole",
+    ),
+    "bondgraph.reporting.loop_pictures": (
+        "loop_sheet",
+        "comparison_sheet",
+        "write_picture",
+    ),
     "bondgraph.errors": ("BondGraphError",),
 }
 _WHERE = {name: home for home, names in _HOME.items() for name in names}
@@ -171,6 +218,40 @@ if TYPE_CHECKING:
     from bondgraph.fitting.simulate import SolveStatus as SolveStatus
     from bondgraph.fitting.simulate import simulate as simulate
     from bondgraph.loading import load_model as load_model
+    from bondgraph.loopshaping.controllers import PI as PI
+    from bondgraph.loopshaping.controllers import Gain as Gain
+    from bondgraph.loopshaping.controllers import Lead as Lead
+    from bondgraph.loopshaping.controllers import LeadLag as LeadLag
+    from bondgraph.loopshaping.controllers import Notch as Notch
+    from bondgraph.loopshaping.controllers import Product as Product
+    from bondgraph.loopshaping.controllers import RollOff as RollOff
+    from bondgraph.loopshaping.friction import FrictionRule as FrictionRule
+    from bondgraph.loopshaping.friction import with_friction_pole as with_friction_pole
+    from bondgraph.loopshaping.loop import Loop as Loop
+    from bondgraph.loopshaping.loop import zero_pole_gain as zero_pole_gain
+    from bondgraph.loopshaping.measures import LoopMeasures as LoopMeasures
+    from bondgraph.loopshaping.measures import Stability as Stability
+    from bondgraph.loopshaping.measures import measure as measure
+    from bondgraph.loopshaping.prototype import (
+        SecondOrderPrototype as SecondOrderPrototype,
+    )
+    from bondgraph.loopshaping.requirements import Crossover as Crossover
+    from bondgraph.loopshaping.requirements import DelayMargin as DelayMargin
+    from bondgraph.loopshaping.requirements import GainMargin as GainMargin
+    from bondgraph.loopshaping.requirements import NoiseGain as NoiseGain
+    from bondgraph.loopshaping.requirements import Overshoot as Overshoot
+    from bondgraph.loopshaping.requirements import (
+        PeakComplementary as PeakComplementary,
+    )
+    from bondgraph.loopshaping.requirements import PeakSensitivity as PeakSensitivity
+    from bondgraph.loopshaping.requirements import PhaseMargin as PhaseMargin
+    from bondgraph.loopshaping.requirements import SettlingTime as SettlingTime
+    from bondgraph.loopshaping.requirements import Specification as Specification
+    from bondgraph.loopshaping.shaping import Design as Design
+    from bondgraph.loopshaping.shaping import DesignStatus as DesignStatus
+    from bondgraph.loopshaping.shaping import Free as Free
+    from bondgraph.loopshaping.shaping import shape as shape
+    from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain as ZeroPoleGain
     from bondgraph.notebook import load_ipython_extension as load_ipython_extension
     from bondgraph.numeric.implicit.matrices import (
         ImplicitStateSpace as ImplicitStateSpace,
@@ -219,6 +300,9 @@ if TYPE_CHECKING:
     from bondgraph.reporting.export.exporting import PythonFunctions as PythonFunctions
     from bondgraph.reporting.export.exporting import PythonModel as PythonModel
     from bondgraph.reporting.export.exporting import export as export
+    from bondgraph.reporting.loop_pictures import comparison_sheet as comparison_sheet
+    from bondgraph.reporting.loop_pictures import loop_sheet as loop_sheet
+    from bondgraph.reporting.loop_pictures import write_picture as write_picture
     from bondgraph.reporting.model_text import to_python as to_python
     from bondgraph.reporting.report import report_html as report_html
     from bondgraph.reporting.report import write_report as write_report
