@@ -175,6 +175,8 @@ class Forms:
             sign, form = found
             power = self._linked(EXP, self._named(form))
             return _variable(power).times(sign * float(number))
+        if number != 1:
+            return self.plain(rest).times(float(number))
         if rest.is_Mul:
             first, *others = rest.args
             return self._product(

@@ -191,7 +191,11 @@ def build(
     quantities = [
         q if q.name in suspects else replace(q, outside=q.inside) for q in quantities
     ]
-    symbols = [sympy.Dummy(q.name, real=True) for q in quantities]
+    # A quantity of known sign stands for its size, so that √x² is x.
+    symbols = [
+        sympy.Dummy(q.name, positive=True) if q.sign else sympy.Dummy(q.name, real=True)
+        for q in quantities
+    ]
     forms = Forms(
         {s: (k, bool(quantities[k].sign)) for k, s in enumerate(symbols)},
         [q.outside for q in quantities],

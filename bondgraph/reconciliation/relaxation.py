@@ -19,6 +19,7 @@ from bondgraph.reconciliation.problem import FloatArray, Problem
 
 _ROUNDS = 8
 _INFEASIBLE = 2  # scipy's word for it
+_FARTHEST = 1e100  # no value beyond is looked at
 _TOLERANCE = 1e-9  # relative width by which ranges may miss each other
 
 
@@ -57,7 +58,7 @@ class _Ranges:
     """Ranges that only shrink."""
 
     def __init__(self, low: FloatArray, high: FloatArray) -> None:
-        self.low, self.high = low.copy(), high.copy()
+        self.low, self.high = np.maximum(low, -_FARTHEST), np.minimum(high, _FARTHEST)
         self.gained = 0.0
 
     def of(self, index: int) -> Range:
@@ -78,7 +79,7 @@ class _Ranges:
     def meet(self, form: Linear, result: int | None) -> None:
         """Cut every range in ``form - result = 0``."""
         terms = form.terms if result is None else (*form.terms, (result, -1.0))
-        ends = [sorted((c * self.low[k], c * self.high[k])) for k, c in terms]
+        ends = [sorted(c * end for end in self.of(k)) for k, c in terms]
         for place, (index, coefficient) in enumerate(terms):
             # Summed afresh each time: a difference from the whole sum would lose a
             # small number beside a range of many powers of ten.
@@ -142,7 +143,7 @@ class Programme:
         """Demand ``Σ coefficient · variable <= limit``, or equality."""
         row = np.zeros(len(self._low))
         for index, coefficient in terms:
-            row[index] += coefficient * self._width[index]
+            row[index] += coefficient * float(self._width[index])
             limit -= coefficient * float(self._low[index])
         size = float(np.abs(row).max(initial=0.0))
         if size > 0 and math.isfinite(size) and math.isfinite(limit):

@@ -119,7 +119,21 @@ class _Tangents:
 
 
 def _tangents(problem: Problem, point: FloatArray) -> _Tangents:
-    """Return every variable and its slopes with respect to the quantities."""
+    """Return every variable and its slopes with respect to the quantities.
+
+    Raises
+    ------
+    ValueError
+        If a formula has no value or slope there.
+    """
+    with np.errstate(all="ignore"):
+        found = _chained(problem, point)
+    if not (np.isfinite(found.values).all() and np.isfinite(found.slopes).all()):
+        raise ValueError("the formulas have no slopes here")
+    return found
+
+
+def _chained(problem: Problem, point: FloatArray) -> _Tangents:
     count = len(problem.quantities)
     values = point.astype(float).copy()
     slopes = np.zeros((len(values), count))
@@ -129,8 +143,6 @@ def _tangents(problem: Problem, point: FloatArray) -> _Tangents:
             x = float(values[definition.argument])
             values[index] = definition.function.value(x)
             slope = definition.function.slope(x)
-            if not math.isfinite(slope):
-                raise ValueError("a formula has no slope here")
             slopes[index] = slope * slopes[definition.argument]
         else:
             values[index] = definition.constant
