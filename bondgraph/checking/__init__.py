@@ -1,7 +1,8 @@
-"""Checking: derived gains, poles and zeros against declared values, for CI."""
+"""Checking: derived gains, poles, zeros and margins against declared values, for CI."""
 
-from bondgraph.checking.declaration import Check, read_checks
+from bondgraph.checking.declaration import read_checks
 from bondgraph.checking.junit import write_junit
+from bondgraph.checking.records import Check
 from bondgraph.checking.run import CheckReport, CheckResult, run_checks
 
 __all__ = [

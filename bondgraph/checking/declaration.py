@@ -16,116 +16,40 @@ In ``pyproject.toml`` the same tables are written ``[[tool.bondgraph.checks.chec
 A pole or zero is the one closest to ``value``, unless ``index`` (counted from 0 by
 growing magnitude) or ``nearest`` (a point of the s-plane, rad/s) says which one. A
 complex value is written ``[real, imaginary]``.
+
+A loop is declared by the controller in front of the model and what is in its feedback
+branch, each as factors; 1 where left out::
+
+    quantity = "phase_margin"  # degrees; or gain_margin, delay_margin (s),
+                               # modulus_margin, gain_crossover, phase_crossover,
+                               # bandwidth (rad/s)
+    controller = {gain = 70.0, zeros = [-0.18], poles = [-50.0]}
+    feedback = {gain = 24674.0, poles = [[-111.1, 111.1], [-111.1, -111.1]]}
+
+The same selection says which crossover is meant. Zeros and poles are in rad/s and the
+gain is that of ``gain · Π(s - zero) / Π(s - pole)``; ``delay`` is in seconds.
 """
 
 import math
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
-from bondgraph.errors import CheckError, did_you_mean
-
-
-class CheckedQuantity(StrEnum):
-    """What of a transfer function is compared."""
-
-    GAIN = "gain"
-    DC_GAIN = "dc_gain"
-    POLE = "pole"
-    ZERO = "zero"
-
-
-@dataclass(frozen=True, slots=True)
-class Absolute:
-    """The derived value may differ by `amount`, in its own unit."""
-
-    amount: float
-
-    def allowed(self, value: complex) -> float:
-        """Return the largest difference from `value` that passes."""
-        return self.amount
-
-    def __str__(self) -> str:
-        return f"± {self.amount:g}"
-
-
-@dataclass(frozen=True, slots=True)
-class Relative:
-    """The derived value may differ by `fraction` of the declared one."""
-
-    fraction: float
-
-    def allowed(self, value: complex) -> float:
-        """Return the largest difference from `value` that passes."""
-        return self.fraction * abs(value)
-
-    def __str__(self) -> str:
-        return f"± {100 * self.fraction:g} %"
-
-
-@dataclass(frozen=True, slots=True)
-class Decimals:
-    """The derived value must round to the declared one at `digits` decimals."""
-
-    digits: int
-
-    def allowed(self, value: complex) -> float:
-        """Return the largest difference from `value` that passes."""
-        # A tie rounds either way in print; the last bits of 0.005 must not decide it.
-        return 0.5 * 10.0**-self.digits * (1 + 1e-12) + 4 * math.ulp(abs(value))
-
-    def __str__(self) -> str:
-        return f"to {self.digits} decimals"
-
-
-Tolerance = Absolute | Relative | Decimals
-
-
-@dataclass(frozen=True, slots=True)
-class Index:
-    """The pole or zero at this place, counted from 0 by growing magnitude."""
-
-    place: int
-
-
-@dataclass(frozen=True, slots=True)
-class Nearest:
-    """The pole or zero closest to this point of the s-plane."""
-
-    point: complex
-
-
-Selection = Index | Nearest
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Check:
-    """One declared value of one transfer function.
-
-    Parameters
-    ----------
-    model
-        As `bondgraph.loading.load_model` reads it, relative to the check file.
-    value
-        The declared value, in SI units; poles and zeros in rad/s.
-    selection
-        Which pole or zero is meant.
-    parameters
-        Other values by parameter name, or a reference to a `ParameterSet`.
-    """
-
-    name: str
-    model: str
-    input: str
-    output: str
-    quantity: CheckedQuantity
-    value: complex
-    tolerance: Tolerance
-    selection: Selection
-    parameters: Mapping[str, float] | str
+from bondgraph.checking.records import (
+    ONE,
+    Absolute,
+    Check,
+    CheckedQuantity,
+    Decimals,
+    Index,
+    Nearest,
+    Relative,
+    Selection,
+    Tolerance,
+)
+from bondgraph.errors import CheckError, LoopShapingError, did_you_mean
+from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain
 
 
 def read_checks(path: Path) -> tuple[Check, ...]:
@@ -205,7 +129,13 @@ def _label(path: Path, table: Any, number: int) -> str:
 _REQUIRED = ("name", "model", "input", "output", "quantity", "value")
 _TOLERANCES = ("tolerance", "relative_tolerance", "digits")
 _SELECTIONS = ("index", "nearest")
-_KEYS = (*_REQUIRED, *_TOLERANCES, *_SELECTIONS, "parameters")
+_AROUND = ("controller", "feedback")
+_FACTORS = ("gain", "zeros", "poles", "delay")
+_KEYS = (*_REQUIRED, *_TOLERANCES, *_SELECTIONS, *_AROUND, "parameters")
+_SEVERAL = (
+    *(CheckedQuantity.POLE, CheckedQuantity.ZERO),
+    *(CheckedQuantity.GAIN_CROSSOVER, CheckedQuantity.PHASE_CROSSOVER),
+)
 
 
 class _Table:
@@ -242,6 +172,8 @@ class _Table:
             tolerance=self._tolerance(value),
             selection=self._selection(quantity, value),
             parameters=self._parameters(),
+            controller=self._part("controller", quantity),
+            feedback=self._part("feedback", quantity),
         )
 
     def _text(self, key: str) -> str:
@@ -258,7 +190,9 @@ class _Table:
 
     def _point(self, key: str) -> complex:
         """Return a real number or a ``[real, imaginary]`` pair."""
-        value = self._table[key]
+        return self._complex(key, self._table[key])
+
+    def _complex(self, key: str, value: object) -> complex:
         if isinstance(value, list) and len(value) == 2:
             return complex(self._number(key, value[0]), self._number(key, value[1]))
         return complex(self._number(key, value))
@@ -271,8 +205,10 @@ class _Table:
                 f"asks for the quantity {word!r}.", word, did_you_mean(word, words)
             )
         quantity = CheckedQuantity(word)
-        if value.imag and quantity in (CheckedQuantity.GAIN, CheckedQuantity.DC_GAIN):
-            raise self._error(f"has a complex {word}.", "value", "Gains are real.")
+        if value.imag and quantity not in (CheckedQuantity.POLE, CheckedQuantity.ZERO):
+            raise self._error(
+                f"has a complex {word}.", "value", "Only poles and zeros are."
+            )
         return quantity
 
     def _one_of(self, keys: tuple[str, ...]) -> str | None:
@@ -319,11 +255,49 @@ class _Table:
         key = self._one_of(_SELECTIONS)
         if key is None:
             return Nearest(value)
-        if quantity not in (CheckedQuantity.POLE, CheckedQuantity.ZERO):
+        if quantity not in _SEVERAL:
             raise self._error(
                 f"has {key}, but a {quantity} is one number.", key, f"Remove {key}."
             )
         return Index(self._whole(key)) if key == "index" else Nearest(self._point(key))
+
+    def _part(self, key: str, quantity: CheckedQuantity) -> ZeroPoleGain:
+        """Return the controller, or the feedback branch, from its factors."""
+        given = self._table.get(key)
+        if given is None:
+            return ONE
+        if not quantity.of_a_loop:
+            raise self._error(
+                f"has a {key}, but a {quantity} is of the model alone.",
+                key,
+                f"Remove {key}.",
+            )
+        if not isinstance(given, dict):
+            raise self._error(
+                f"has {key} = {given!r}.",
+                key,
+                "Write {gain = …, zeros = […], poles = […]}.",
+            )
+        for name in given:
+            if name not in _FACTORS:
+                raise self._error(
+                    f"has {name!r} in {key}.", name, did_you_mean(name, _FACTORS)
+                )
+        try:
+            return ZeroPoleGain(
+                gain=self._number("gain", given.get("gain", 1.0)),
+                zeros=self._roots("zeros", given),
+                poles=self._roots("poles", given),
+                delay=self._number("delay", given.get("delay", 0.0)),
+            )
+        except LoopShapingError as error:
+            raise self._error(f"{key}: {error.problem}", key, error.remedy) from error
+
+    def _roots(self, key: str, given: dict[str, Any]) -> tuple[complex, ...]:
+        roots = given.get(key, [])
+        if not isinstance(roots, list):
+            raise self._error(f"has {key} = {roots!r}.", key, "Write them in [ ].")
+        return tuple(self._complex(key, root) for root in roots)
 
     def _parameters(self) -> Mapping[str, float] | str:
         given = self._table.get("parameters", {})

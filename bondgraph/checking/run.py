@@ -1,17 +1,21 @@
-"""Running checks: every value is derived afresh from the graph and compared."""
+"""Running checks: every value is derived afresh from the graph and compared.
+
+Margins and crossovers are those of the loop that the check declares around the model.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, assert_never
 
-from bondgraph.checking.declaration import (
+from bondgraph.checking.declaration import read_checks
+from bondgraph.checking.loops import loop_figures
+from bondgraph.checking.records import (
     Check,
     CheckedQuantity,
     Index,
     Nearest,
     Selection,
-    read_checks,
 )
 from bondgraph.equations.derivation import derive
 from bondgraph.equations.linear import LinearSystem, linearise
@@ -167,7 +171,9 @@ def _derived(
         case CheckedQuantity.ZERO:
             return _selected(check.selection, transfer_function.zeros(values), "zero")
         case _:
-            assert_never(check.quantity)
+            figures = loop_figures(check, transfer_function, values)
+            kind = check.quantity.value.replace("_", " ")
+            return _selected(check.selection, figures, kind)
 
 
 def _dc_gain(
