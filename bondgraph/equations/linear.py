@@ -5,7 +5,7 @@ solved for in a field of rational functions. Where an input is differentiated (a
 that sets a storage), ``B_rate`` and ``D_rate`` multiply u̇.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -162,14 +162,11 @@ def linearise(
     point = OperatingPoint(equations, at)
     raw = first_order(equations, point)
     states = [state.symbol for state in equations.states]
-    rates = dict(
-        zip((state.rate for state in equations.states), raw.rates, strict=True)
-    )
-    residuals = [substituted(row, rates) for row in raw.residuals]
-    solutions = _solve(residuals, equations.unknowns)
+    rates = [state.rate for state in equations.states]
+    solutions = _solved(raw.rates, raw.residuals, rates, equations.unknowns)
     found = [
-        smooth(substituted(row, solutions), point, f"the rate of {state}")
-        for state, row in zip(states, raw.rates, strict=True)
+        smooth(solutions[rate], point, f"the rate of {state}")
+        for state, rate in zip(states, rates, strict=True)
     ]
     outputs = [
         smooth(substituted(row, solutions), point, f"the output {output.name!r}")
@@ -202,10 +199,23 @@ def _terms(rows: Iterable[Row]) -> int:
     )
 
 
-def _solve(
-    residuals: list[Row], unknowns: tuple[sympy.Symbol, ...]
+def _solved(
+    rates: Sequence[Row],
+    residuals: Sequence[Row],
+    rate_symbols: Sequence[sympy.Symbol],
+    unknowns: Sequence[sympy.Symbol],
 ) -> dict[sympy.Symbol, Row]:
-    known = set(unknowns)
-    matrix = [{k: v for k, v in row.items() if k in known} for row in residuals]
-    right = [{k: -v for k, v in row.items() if k not in known} for row in residuals]
-    return solved(matrix, unknowns, right)
+    """Return rates and unknowns in states and inputs.
+
+    Both are solved for together: what couples many dependent storages is one rate, and
+    inserted first it would fill the matrix in.
+    """
+    known = {*rate_symbols, *unknowns}
+    rows = [
+        {**{k: -v for k, v in row.items()}, rate: 1 - row.get(rate, sympy.S.Zero)}
+        for rate, row in zip(rate_symbols, rates, strict=True)
+    ]
+    rows += residuals
+    matrix = [{k: v for k, v in row.items() if k in known} for row in rows]
+    right = [{k: -v for k, v in row.items() if k not in known} for row in rows]
+    return solved(matrix, [*rate_symbols, *unknowns], right)
