@@ -6,10 +6,10 @@ pulls the support up (eq. 6.5). Here they are the derivatives of one potential: 
 weights are effort sources of `flegx_models.jump.leg_graph`, and the torque that holds a
 joint is what they leave on it at rest.
 
-Three degrees of freedom carry three forces. In stance the ground's push is the third: it
-balances the support. The thesis's virtual work, and this, leave the foot free to slide:
-no force along the ground. With a foot that holds, only one combination of the two
-torques is fixed by gravity; the thesis's choice is the one that asks no grip.
+Three degrees of freedom carry three forces. In stance the ground's push is the third:
+it balances the support. The thesis's virtual work, and this, leave the foot free to
+slide: no force along the ground. With a foot that holds, only one combination of the
+two torques is fixed by gravity; the thesis's choice is the one that asks no grip.
 """
 
 from dataclasses import dataclass
@@ -62,9 +62,7 @@ def derived_feed_forward(case: str) -> tuple[sympy.Expr, sympy.Expr]:
         lift = g * sympy.Symbol("m_counterweight", positive=True)
     # The support's row: held in flight, balanced by the ground's push otherwise.
     push = sympy.S.Zero if case == "flight" else -(weights[0] + lift)
-    hip, knee = (
-        sympy.factor(sympy.expand(-weights[k] - up[k] * push)) for k in (1, 2)
-    )
+    hip, knee = (sympy.factor(sympy.expand(-weights[k] - up[k] * push)) for k in (1, 2))
     return hip, knee
 
 

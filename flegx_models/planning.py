@@ -64,7 +64,9 @@ class JumpPlan:
             _there_and_back(self.knee_landing, self.knee_speed, self.squat_time),
         )
 
-    def retraction(self, hip: float, knee: float) -> tuple[QuinticSpline, QuinticSpline]:
+    def retraction(
+        self, hip: float, knee: float
+    ) -> tuple[QuinticSpline, QuinticSpline]:
         """Return the splines from these angles to the landing angles."""
         return (
             QuinticSpline(Motion(hip), Motion(self.hip_landing), self.flight_time),

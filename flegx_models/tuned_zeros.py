@@ -12,7 +12,7 @@ T is the torque that the worm passes on (here gravity's in the test posture), κ
 κ_b the worm's driving and back-driving factors (`flegx_models.jump.worm`), F₀ friction
 without load. So the zero has to rise
 
-- in stance far more than in flight, because T does (by 6 at the hip, by 49 at the knee);
+- in stance far more than in flight, as T does (6 times at the hip, 49 at the knee);
 - at the hip twice as much as at the knee, because its swing and with it V is half.
 
 No number here is adjusted to the tuned zeros; `identified_friction` then reads f and F₀

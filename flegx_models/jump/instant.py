@@ -167,8 +167,8 @@ def _solved(problem: Problem, h: float, choice: Choice) -> Step | None:
         return None  # a choice that fixes nothing cannot be the one
     return Step(
         choice=choice,
-        speeds=x[:3],
-        meshes=x[_MESH:_PUSH],
+        speeds=np.asarray(x[:3], dtype=float),
+        meshes=np.asarray(x[_MESH:_PUSH], dtype=float),
         push=float(x[_PUSH]),
         grip=float(x[_GRIP]),
     )
@@ -235,4 +235,3 @@ def _foot_agrees(problem: Problem, step: Step) -> bool:
     if foot == GRIPS:
         return abs(step.grip) <= problem.ground.friction * step.push + _TOLERANCE
     return _SLIP[foot] * along >= -_TOLERANCE
-

@@ -140,7 +140,7 @@ class Machine:
 
     @property
     def gravity(self) -> float:
-        """g in m/s²."""
+        """Weight per mass in m/s²."""
         return self.leg.parameters.values_by_name()["g"]
 
     def standing(self, hip: float, knee: float) -> Condition:
@@ -232,9 +232,7 @@ class Machine:
             meshes=step.meshes / h,
             push=step.push / h,
             pull=force,
-            ledger=replace(
-                ledger, rope=ledger.rope + float(h * damping * stretching)
-            ),
+            ledger=replace(ledger, rope=ledger.rope + float(h * damping * stretching)),
         )
         return self._held_down(self._parted(after, step))
 
@@ -249,9 +247,7 @@ class Machine:
     def _struck(self, before: Condition) -> Condition:
         """Return the condition after the foot has met the ground."""
         # Tried as gripping first: what lands without impulse must not part again.
-        landing = replace(
-            before, down=True, choice=replace(before.choice, foot=GRIPS)
-        )
+        landing = replace(before, down=True, choice=replace(before.choice, foot=GRIPS))
         step, problem = self._solved(landing, landing.q, (0.0, 0.0), 0.0, 0.0)
         struck = replace(
             landing,

@@ -96,9 +96,7 @@ class JointController:
 
     def __post_init__(self) -> None:
         self._runs = {
-            grounded: DifferenceEquation(
-                law.numerator, law.denominator, self.rate
-            )
+            grounded: DifferenceEquation(law.numerator, law.denominator, self.rate)
             for grounded, law in ((False, self.flight), (True, self.stance))
         }
 
@@ -117,6 +115,4 @@ def encoder_filter(cutoff: float, rate: float, start: float) -> DifferenceEquati
         The angle in rad at which it has settled.
     """
     pair = ButterworthPair(cutoff=cutoff)
-    return DifferenceEquation(
-        pair.numerator, pair.denominator, rate, settled_at=start
-    )
+    return DifferenceEquation(pair.numerator, pair.denominator, rate, settled_at=start)

@@ -128,9 +128,7 @@ def machine(experiment: Experiment) -> Machine:
     return Machine(
         leg=leg(),
         worms=(experiment.worm, experiment.worm),
-        ground=Ground(
-            friction=chosen["mu_ground"], creep=1 / (chosen["creep"] * step)
-        ),
+        ground=Ground(friction=chosen["mu_ground"], creep=1 / (chosen["creep"] * step)),
         counterweight=hung if experiment.counterweight else None,
     )
 
@@ -196,9 +194,7 @@ class _Brain:
         """Return the two currents in A for the next sampling period."""
         time = sample * self._period
         hip = self._filters[0](self._encoder.read(float(now.q[1]), sample))
-        bend = self._filters[1](
-            self._encoder.read(float(now.q[2] - now.q[1]), sample)
-        )
+        bend = self._filters[1](self._encoder.read(float(now.q[2] - now.q[1]), sample))
         measured = (hip, hip + bend)
         if sample:
             self._feel(now, measured)

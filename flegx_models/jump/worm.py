@@ -70,7 +70,7 @@ class WormGear:
 
     @property
     def efficiency(self) -> float:
-        """Power passed on per power put in while the motor drives, without `constant`."""
+        """Power passed on per power put in while driving, without `constant`."""
         return 1 / self.driving
 
     @property

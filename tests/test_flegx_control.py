@@ -1,0 +1,232 @@
+"""Motor, gravity compensation, loops and controllers of sections 4.4 to 5.2."""
+
+import math
+
+import numpy as np
+import pytest
+import sympy
+from scipy.signal import cont2discrete, lfilter
+
+from bondgraph import (
+    BondGraphError,
+    FitStatus,
+    Hold,
+    Recording,
+    Settings,
+    WholeRecordings,
+    bind_to,
+    derive,
+    fit,
+    linearise,
+)
+from bondgraph.loopshaping.measures import measure
+from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain
+from flegx_models.controllers import (
+    MODELS,
+    VERSIONS,
+    controller,
+    corrected_reading,
+    numerator,
+    printed_figures,
+    printed_loop,
+    printed_reading,
+    torque_constants_of_the_numerators,
+)
+from flegx_models.gravity import (
+    CASES,
+    derived_feed_forward,
+    feed_forward,
+    printed_feed_forward,
+)
+from flegx_models.jump.leg_graph import leg_parameters
+from flegx_models.motor import black_box, driven_motor, motor_with
+from flegx_models.parameters_control import CHOSEN, CONTROL
+from flegx_models.parameters_datasheets import DATASHEETS
+from flegx_models.published import PUBLISHED
+
+VALUES = CONTROL.values_by_name()
+CHOICES = CHOSEN.values_by_name()
+BOX = {
+    "k_driver": VALUES["k_driver"],
+    "zero": VALUES["zero_driver"],
+    "fast_pole": VALUES["fast_pole_driver"],
+    "slow_pole": VALUES["slow_pole_driver"],
+}
+
+
+def square_wave(rate, samples, period, *, seed):
+    """Return time, duty cycle and current of eq. 4.36, exact between held samples."""
+    top = np.array([1 / BOX["zero"], 1.0]) * BOX["k_driver"]
+    bottom = np.polymul([1 / BOX["fast_pole"], 1.0], [1 / BOX["slow_pole"], 1.0])
+    b, a, _ = cont2discrete((top, bottom), 1 / rate, method="zoh")
+    time = np.arange(samples) / rate
+    duty = np.where((time % period) < period / 2, 20.0, -20.0)
+    noise = np.random.default_rng(seed).normal(size=samples) * CHOICES["current_noise"]
+    return time, duty, lfilter(b.ravel(), a, duty) + noise
+
+
+def identified(rate, samples, period):
+    wrong = {"k_driver": 0.25, "zero": 4e3, "fast_pole": 1e6, "slow_pole": 3.5e3}
+    graph = driven_motor(motor_with(wrong)).finish()
+    time, duty, current = square_wave(rate, samples, period, seed=3)
+    channels = {"duty": (duty, "A"), "current": (current, "A")}
+    recording = bind_to(graph, Recording.from_arrays("bench", time, channels))
+    settings = Settings(hold=Hold.ZERO, horizon=WholeRecordings())
+    result = fit(graph, [recording], settings=settings)
+    found = {e.name: e.value for e in result.estimates}
+    return result, black_box({**found, "L_motor": graph.parameters["L_motor"].value})
+
+
+def test_the_motor_graph_is_the_printed_black_box():
+    graph = driven_motor().finish()
+    values = graph.parameters.values_by_name()
+    transfer = linearise(derive(graph)).transfer_function("current", "duty")
+    (zero,) = transfer.zeros(values)
+    slow, fast = sorted(transfer.poles(values), key=abs)
+    assert zero == pytest.approx(-BOX["zero"])
+    assert slow == pytest.approx(-BOX["slow_pole"])
+    assert fast == pytest.approx(-BOX["fast_pole"])
+    at_rest = transfer.gain_at(values) * zero.real / (slow * fast).real * -1
+    assert at_rest == pytest.approx(BOX["k_driver"])
+
+
+def test_square_waves_at_a_bench_rate_do_not_show_the_fast_pole():
+    result, box = identified(CHOICES["sampling_bench"], 2000, 0.01)
+    assert result.status is FitStatus.CONVERGED
+    (sentence,) = result.unidentifiable
+    assert all(name in sentence for name in ("K_p", "K_i", "R_motor"))
+    assert box["k_driver"] == pytest.approx(BOX["k_driver"], rel=1e-3)
+    assert box["slow_pole"] == pytest.approx(BOX["slow_pole"], rel=0.01)
+    assert box["zero"] == pytest.approx(BOX["zero"], rel=0.01)
+
+
+def test_square_waves_sampled_fast_enough_give_all_four_numbers():
+    result, box = identified(CHOICES["sampling_fast"], 20000, 4e-4)
+    assert result.status is FitStatus.CONVERGED
+    assert not result.unidentifiable
+    for name, value in BOX.items():
+        assert box[name] == pytest.approx(value, rel=0.01), name
+
+
+def test_the_printed_zero_does_not_follow_from_the_printed_winding():
+    values = driven_motor().finish().parameters.values_by_name()
+    table = DATASHEETS.values_by_name()["motor_resistance"]
+    assert values["R_motor"] / table > 30
+    K_p = values["K_p"] + values["R_motor"] - table  # keeps the sum of the poles
+    assert values["K_i"] / K_p < BOX["slow_pole"] < BOX["zero"]
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_gravity_compensation_from_the_graph_is_the_printed_one(case):
+    derived, printed = feed_forward(case, leg_parameters()), printed_feed_forward(case)
+    assert derived.hip == pytest.approx(printed.hip, abs=0.005)
+    assert derived.knee == pytest.approx(printed.knee, abs=0.005)
+
+
+def test_gravity_compensation_in_symbols_is_the_formula_of_the_thesis():
+    def is_zero(difference):
+        named = {s: sympy.Symbol(s.name) for s in difference.free_symbols}
+        return sympy.simplify(difference.xreplace(named)) == 0
+
+    g, L, m, m_ul, m_ll, l_ul, l_ll, m_c = sympy.symbols(
+        "g L m_motors_support m_upperleg m_lowerleg_link l_cm_upperleg l_cm_lowerleg "
+        "m_counterweight"
+    )
+    hip, knee = map(sympy.sin, sympy.symbols("q_hip q_knee"))
+    printed = {
+        "flight": ((m_ul * l_ul + m_ll * L) * g, m_ll * g * l_ll),
+        "stance": (
+            -(m * L + m_ul * (L - l_ul)) * g,
+            -(m * L + m_ul * L + m_ll * (L - l_ll)) * g,
+        ),
+        "counterweight": (
+            -((m - m_c) * L + m_ul * (L - l_ul)) * g,
+            -((m - m_c) * L + m_ul * L + m_ll * (L - l_ll)) * g,
+        ),
+    }
+    for case, (at_hip, at_knee) in printed.items():
+        derived = derived_feed_forward(case)
+        assert is_zero(derived[0] - at_hip * hip), case
+        assert is_zero(derived[1] - at_knee * knee), case
+
+
+@pytest.mark.parametrize("model", ["lowerleg_flight", "lowerleg_stance"])
+def test_the_lower_legs_loops_reproduce_with_two_named_corrections(model):
+    reading = corrected_reading()
+    assert len(reading.corrections) == 2
+    derived, printed = printed_loop(model).figures, printed_figures(model)
+    assert derived.crossover == pytest.approx(printed.crossover, abs=0.015)
+    assert derived.turnover == pytest.approx(printed.turnover, abs=0.3)
+    assert abs(math.degrees(derived.phase_margin - printed.phase_margin)) < 0.3
+
+
+@pytest.mark.parametrize("model", ["upperleg_flight", "upperleg_stance"])
+def test_the_upper_legs_phase_crossovers_follow_from_no_printed_controller(model):
+    printed = printed_figures(model)
+    for version in VERSIONS:
+        derived = printed_loop(model, version).figures
+        assert derived.turnover < 0.7 * printed.turnover
+    designed = printed_loop(model).figures
+    assert designed.crossover == pytest.approx(printed.crossover, abs=0.05)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_loops_as_printed_are_unstable(model):
+    assert printed_loop(model, reading=printed_reading()).figures.phase_margin < 0
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("model", MODELS)
+def test_figures_agree_with_the_general_measures(model, version):
+    loop = printed_loop(model, version)
+    cutoff, term = loop.filter.cutoff, loop.filter.damping_term
+    pair = np.roots([1.0, term * cutoff, cutoff**2])
+    lead = loop.lead
+    whole = ZeroPoleGain(
+        zeros=(-loop.zero, -lead.zero),
+        poles=(
+            *(0.0, -loop.friction_pole, -loop.fast_pole, -loop.slow_pole, -lead.pole),
+            *pair,
+            *pair,
+        ),
+        gain=lead.gain * lead.pole * loop.numerator * cutoff**4,
+    )
+    measured = measure(whole, step=False)
+    assert measured.stable
+    figures = loop.figures
+    assert measured.crossover == pytest.approx(figures.crossover, rel=1e-8)
+    assert measured.phase_margin == pytest.approx(
+        math.degrees(figures.phase_margin), abs=1e-6
+    )
+    turnover = measured.phase_crossovers[0].omega
+    assert turnover == pytest.approx(figures.turnover, rel=1e-8)
+
+
+@pytest.mark.parametrize("model", ["lowerleg_flight", "lowerleg_stance"])
+def test_the_modified_zero_keeps_the_loop_where_it_rides_on_the_friction(model):
+    growth = VALUES["friction_growth"]
+    designed = printed_loop(model)
+    grown = printed_loop(model, "modified").rubbed(growth * designed.friction_pole)
+    assert designed.figures.crossover == pytest.approx(
+        grown.figures.crossover, rel=0.01
+    )
+    change = grown.figures.phase_margin - designed.figures.phase_margin
+    assert abs(math.degrees(change)) < 1.0
+
+
+def test_all_four_numerators_follow_from_one_torque_constant():
+    low, high = torque_constants_of_the_numerators()
+    assert low <= 0.042 <= high
+    table = DATASHEETS.find("K_m")
+    assert table.value - table.rounding > high  # not Table 2.1's
+    for printed in PUBLISHED:
+        row = CONTROL.find(f"numerator_{printed.model}")
+        assert abs(numerator(printed.gain, 0.042) - row.value) <= row.rounding
+        assert numerator(printed.gain) - row.value > row.rounding
+
+
+def test_unknown_names_are_refused():
+    with pytest.raises(BondGraphError, match="no printed controller of 'ankle'"):
+        controller("ankle")
+    with pytest.raises(BondGraphError, match="'water'"):
+        printed_feed_forward("water")
