@@ -28,6 +28,14 @@ AUDITED = ParameterSet(
 )
 """What the audit compares beside the other sets."""
 
+STEEL = Parameter(
+    name="density_steel",
+    value=7850.0,
+    unit="kg/m^3",
+    source=Assumed("structural steel; the thesis prints no density"),
+)
+"""For the mass of the tendons that section 3.3.4 does not print."""
+
 
 _ONE_SLIP = "a worm inertia ten times as large, all else inside or near its rounding"
 

@@ -62,6 +62,9 @@ def test_friction_poles_are_named_as_the_loads_alone(found, entry):
     assert row.relative_difference < -0.95
     assert round(row.corrected, 2) == entry.friction_pole
     assert "c / I_load" in row.cause
+    times = {"lowerleg_flight": 116, "upperleg_flight": 26}
+    times |= {"lowerleg_stance": 190, "upperleg_stance": 40}
+    assert f"{times[entry.model]} times slower" in row.cause
 
 
 @pytest.mark.parametrize("phase", ["flight", "stance"])

@@ -25,7 +25,8 @@ from flegx_models.audit.records import (
 )
 from flegx_models.gains import derived
 from flegx_models.parameters import PRINTED, RECONCILED
-from flegx_models.parameters_audit import WORM_SLIP
+from flegx_models.parameters_audit import STEEL, WORM_SLIP
+from flegx_models.parameters_chapter3 import CHAPTER_3
 from flegx_models.published import PUBLISHED, PublishedTransferFunction
 
 _LINK = {"lowerleg": "I_lowerleg", "upperleg": "I_upperleg"}
@@ -84,7 +85,9 @@ def _pole_row(entry: PublishedTransferFunction, step: str) -> Row:
     limb = entry.model.partition("_")[0]
     friction = sympy.Symbol(f"c_friction_{limb}", real=True)
     load = sympy.Symbol(_LINK[limb], real=True)
+    _, right = derived(getattr(models, entry.model)(RECONCILED))
     cause, data = _POLE.format(step=step), RECONCILED
+    cause += f", {entry.friction_pole / right:.0f} times slower"
     if limb == "upperleg":
         cause += "; and I_load = 0.143 of eq. 4.12 gives 0.117, only 0.0593 gives 0.28"
         data = RECONCILED.merged([_renamed("I_upperleg_link", "I_upperleg")])
@@ -197,6 +200,9 @@ def remarks() -> Iterator[Remark]:
         "3e-5, the table's value.",
     )
     yield _length_of_the_inertia(v)
+    yield _mass_of_the_tendons()
+    for where, statement in _SLIPS:
+        yield Remark(where=where, statement=statement)
 
 
 def _length_of_the_inertia(v: dict[str, float]) -> Remark:
@@ -211,6 +217,47 @@ def _length_of_the_inertia(v: dict[str, float]) -> Remark:
         f"behind a knee bent by π/4, needs L = {L:.3f} m; the stance gains need 0.309 "
         f"m, the gravity terms 0.300 m. Eq. 4.14 states that both links have length L.",
     )
+
+
+def _mass_of_the_tendons() -> Remark:
+    """Say what two steel bars weigh, beside what the masses leave for them."""
+    c = CHAPTER_3.values_by_name()
+    gear = (c["m_upperleg_total"] - c["m_upperleg"]) / 2
+    left = c["m_lowerleg_total"] - c["m_lowerleg"] - gear
+    density = STEEL.value or 0.0
+    bars = 2 * math.pi * c["r_tendon"] ** 2 * c["L_tendon"] * density
+    return Remark(
+        where="section 3.3.4",
+        statement=f"The masses leave {gear:.2f} kg for one gear and {left:.2f} kg for "
+        f"the tendons; two 8 mm steel bars of 300 mm weigh {bars:.2f} kg. This is the "
+        f"mass that the lower leg's stance gain needs.",
+    )
+
+
+_SLIPS = (
+    (
+        "eq. 4.12",
+        "It names the friction of the knee for the hip's joint; eq. 4.35 names the "
+        "hip's.",
+    ),
+    (
+        "eq. 4.23",
+        "The left-hand side F cos(π/2 - 2θ0) lacks the lever L; with it, and F = m a / "
+        "cos θ0, the right-hand side 2 L sin θ0 m a follows.",
+    ),
+    (
+        "eq. 4.31",
+        "It divides by I_lowerleg in the upper leg's model; and the list of component "
+        "equations below it leaves out the friction e9 that eq. 4.33 contains.",
+    ),
+    ("eq. 5.6", "The second line lacks a bracket; eq. 5.7 has it."),
+    (
+        "eq. 6.2 to 6.4",
+        "All are called G_c,ll,f; they are those of the upper leg in flight and of "
+        "both legs in stance.",
+    ),
+)
+"""Slips in letters: no number depends on them."""
 
 
 def _words(model: str) -> str:

@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from bondgraph.reconciliation import Reconciliation
+from bondgraph.reconciliation import Change, Reconciliation
 from flegx_models.audit import chapter2, chapter3, chapter4, control, loops
 from flegx_models.audit.records import Audit, Row, Verdict
 
@@ -59,8 +59,8 @@ def as_markdown(found: Audit) -> str:
         "test says that it is up to date. Every printed result that can be computed "
         "again stands beside what the thesis's own numbers give, in the unit shown. A "
         "result is *reproduced* where the interval that its data's rounding allows "
-        "meets its own. *Corrected* is the value with the correction that the last "
-        "column names.",
+        "meets its own. *Corrected* is the value with the correction, "
+        "or the slip, that the last column names.",
         "",
         f"**{_counts(found)}**",
     ]
@@ -108,13 +108,20 @@ def _answer(answer: Reconciliation) -> list[str]:
             if name in ("L", "k_scaling")
         ]
         rest = f", then {', '.join(inferred)}" if inferred else ""
-        lines.append(f"- {mark}{explanation}{mark}{rest} (size {explanation.size:.3g})")
+        changes = ", ".join(map(_change, explanation.changes))
+        lines.append(f"- {mark}{changes}{mark}{rest} (size {explanation.size:.3g})")
         if mark:
             lines += [
-                f"  - {c.name} between {c.low:.6g} and {c.high:.6g}"
+                f"  - {c.name} between {c.low:.4g} and {c.high:.4g}"
                 for c in explanation.changes
             ]
     return lines
+
+
+def _change(change: Change) -> str:
+    # The smallest size is found to one part in a thousand: four digits, not more.
+    share = 100 * (change.factor - 1)
+    return f"{change.name} {change.printed:.4g} → {change.value:.4g} ({share:+.3g} %)"
 
 
 def _counts(found: Audit) -> str:
@@ -129,10 +136,15 @@ def _cells(row: Row) -> tuple[str, ...]:
         f"{row.quantity} [{row.unit}]",
         _digits(row.printed),
         "" if row.derived is None else _digits(row.derived),
-        "" if off is None else f"{100 * off:+.2f} %",
+        "" if off is None else _percent(off),
         "" if row.corrected is None else _digits(row.corrected),
         str(row.verdict),
     )
+
+
+def _percent(share: float) -> str:
+    # The last bit of an exact agreement must not decide between +0 and -0.
+    return f"{round(100 * share, 2) + 0.0:+.2f} %"
 
 
 def _digits(value: float) -> str:
