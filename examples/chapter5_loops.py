@@ -44,8 +44,8 @@ def motor_figure(folder: Path) -> None:
     figure, axis = plt.subplots(figsize=(7, 3), layout="constrained")
     axis.plot(1e3 * time, current, label="current [A]")
     axis.plot(1e3 * time, 0.2 * duty, "k:", label="0.20 A/% · duty")
-    axis.set(title="4.8 motor and driver", xlabel="time [ms]", ylim=(-5, 5))
-    axis.legend(loc="lower right")
+    axis.set(title="4.8 motor and driver", xlabel="time [ms]", ylim=(-5, 7))
+    axis.legend(loc="upper right")
     figure.savefig(folder / "figure_4_8.png", dpi=90)
     plt.close(figure)
 

@@ -46,7 +46,8 @@ def tuning_figures(folder: Path, worm: WormGear) -> None:
         axis.plot(printed.time, np.degrees(printed.angle), label="worm, designed zero")
         axis.plot(tuned.time, np.degrees(tuned.angle), label="worm, tuned zero")
         axis.set(title=title, xlabel="time [s]", ylabel="angle [°]")
-    axes.flat[0].legend(fontsize=8)
+    lines, names = axes.flat[0].get_legend_handles_labels()
+    figure.legend(lines, names, loc="outside lower center", ncols=4)
     save(figure, folder / "figures_6_1_to_6_4.png")
 
 

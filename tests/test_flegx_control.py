@@ -32,6 +32,7 @@ from flegx_models.controllers import (
     printed_reading,
     torque_constants_of_the_numerators,
 )
+from flegx_models.gains import derived
 from flegx_models.gravity import (
     CASES,
     derived_feed_forward,
@@ -39,7 +40,9 @@ from flegx_models.gravity import (
     printed_feed_forward,
 )
 from flegx_models.jump.leg_graph import leg_parameters
+from flegx_models.models import lowerleg_stance
 from flegx_models.motor import black_box, driven_motor, motor_with
+from flegx_models.parameters import RECONCILED
 from flegx_models.parameters_control import CHOSEN, CONTROL
 from flegx_models.parameters_datasheets import DATASHEETS
 from flegx_models.published import PUBLISHED
@@ -223,6 +226,19 @@ def test_all_four_numerators_follow_from_one_torque_constant():
         row = CONTROL.find(f"numerator_{printed.model}")
         assert abs(numerator(printed.gain, 0.042) - row.value) <= row.rounding
         assert numerator(printed.gain) - row.value > row.rounding
+
+
+def test_the_counterweight_adds_inertia_where_the_thesis_takes_mass_away():
+    mass = RECONCILED["m_motors_support"].value
+    hung = VALUES["m_counterweight"]
+    gains = []
+    for change in (-hung, 0.0, hung):
+        parameters = RECONCILED.with_values({"m_motors_support": mass + change})
+        gains.append(derived(lowerleg_stance(parameters))[0])
+    lighter, plain, heavier = gains
+    # For the same loop the controller's gain goes with the inverse of the plant's.
+    assert plain / lighter == pytest.approx(0.8, abs=0.01)
+    assert plain / heavier == pytest.approx(1.2, abs=0.01)
 
 
 def test_unknown_names_are_refused():

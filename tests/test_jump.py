@@ -20,6 +20,7 @@ from flegx_models.jump.machine import EventKind, Machine
 from flegx_models.jump.mechanics import leg
 from flegx_models.jump.sampled import DifferenceEquation, Encoder, encoder_filter
 from flegx_models.jump.simulation import Experiment, machine, run
+from flegx_models.jump.tuning_run import run_test
 from flegx_models.jump.worm import irreversible_worm
 from flegx_models.parameters_chapter3 import CHAPTER_3
 from flegx_models.parameters_control import CHOSEN, CONTROL
@@ -447,6 +448,15 @@ def test_two_frictions_explain_four_zeros_and_lie_within_the_data_sheets():
     assert found.residual**2 < np.var(frictions) / 5
     for test, zero in zip(tests, found.zeros, strict=True):
         assert zero / test.tuned_zero == pytest.approx(1.0, abs=0.7)
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_tuned_zeros_bring_the_response_back_to_that_without_friction(number):
+    test, worm = tuning_tests()[number], identified_friction().worm
+    ideal = run_test(test, IDEAL, "printed", 1.05)
+    printed, tuned = (run_test(test, worm, v, 1.05) for v in ("printed", "tuned"))
+    assert tuned.distance(ideal) < 0.35 * printed.distance(ideal)
+    assert np.ptp(printed.angle) < 0.9 * np.ptp(ideal.angle)
 
 
 def test_a_worm_like_the_zeros_say_needs_the_counterweight():
