@@ -23,6 +23,7 @@ _GAP = 1e-3  # relative cost that is not worth another box
 _LEAST_GAP = 1e-7
 _MEETS = 1e-6  # of a half-width: what counts as inside a rounding interval
 _STEPS = 12  # of the local search
+_CHEAP_STEPS = 3  # of them towards the cheapest point, before any solution is found
 
 
 class Found(StrEnum):
@@ -164,7 +165,7 @@ def _solution_near(
     low, high = (end[:count] for end in ends)
     found: FloatArray | None = None
     point = start
-    for _ in range(_STEPS):
+    for number in range(_STEPS):
         try:
             point = _consistent(problem, point)
             here = _tangents(problem, point)
@@ -178,11 +179,23 @@ def _solution_near(
         for value, slope in _equations(problem, here):
             terms = tuple((j, float(x)) for j, x in enumerate(slope) if x)
             programme.add(terms, float(slope @ point[:count]) - value, equal=True)
-        step = programme.cheapest(cost)
+        # Cheapest points may alternate between two corners, each just outside the
+        # other's solutions; from then on the nearest point is taken.
+        stuck = found is None and number >= _CHEAP_STEPS
+        step = (
+            programme.cheapest(_nearest_to(point[:count], high - low))
+            if stuck
+            else programme.cheapest(cost)
+        )
         if step is None:
             return found
         point = np.concatenate([step[0], start[count:]])
     return found
+
+
+def _nearest_to(point: FloatArray, width: FloatArray) -> Cost:
+    weights = np.where(width > 0, 1 / np.where(width > 0, width, 1.0), 0.0)
+    return Cost(point, weights, np.zeros(len(point)))
 
 
 def _equations(problem: Problem, here: _Tangents) -> list[tuple[float, FloatArray]]:

@@ -206,7 +206,9 @@ def questions() -> Iterator[Question]:
     )
     yield Question(
         title="gravity torques, one length L (eq. 5.5, 5.8, 6.5)",
-        comment="L is inferred; section 3.3.1 weighs the support at about 6.6 kg.",
+        comment="L is inferred. With all else exactly as printed the six torques need "
+        "L = 0.30 m and a support of 7.6 kg, where section 3.3.1 weighs about 6.6 kg; "
+        "rounding lets one smaller change do.",
         answer=reconcile(
             results,
             _GRAVITY,
