@@ -1,8 +1,9 @@
 """Loops and controllers of chapter 5: printed, modified, tuned; and what they achieve.
 
 Every loop is factored: lead · motor · train · encoder filter. A reading says which of
-the thesis's conflicting numbers are put in; `PRINTED_READING` takes eq. 5.10 to 5.24 as
-they stand, `CORRECTED` makes the two corrections that the printed margins need:
+the thesis's conflicting numbers are put in; `printed_reading` takes eq. 5.10 to 5.24 as
+they stand, and then all four loops are unstable; `corrected_reading` makes the two
+corrections that the printed margins need:
 
 - the driver's fast pole is 1.61e6 rad/s (eq. 4.36), not 1.16e6 (eq. 5.10 ff., two
   digits swapped);
@@ -268,7 +269,7 @@ def numerator(gain: float, torque_constant: float | None = None) -> float:
 def torque_constants_of_the_numerators() -> tuple[float, float]:
     """Return the least and greatest K_m (N·m/A) from which all four numerators follow.
 
-    Empty, with the greatest below the least, if no one K_m gives them.
+    If no one K_m gave them all, the greatest would lie below the least.
     """
     lows, highs = [], []
     for model in MODELS:

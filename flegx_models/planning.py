@@ -115,8 +115,9 @@ class Planner:
         """Return the planner at the start of a squat."""
         return cls(plan=plan, phase=Phase.SQUATTING, since=time, splines=plan.squat())
 
-    def stepped(self, time: float, *, grounded: bool, angles: tuple[float, float]
-    ) -> "Planner":  # fmt: skip
+    def stepped(
+        self, time: float, *, grounded: bool, angles: tuple[float, float]
+    ) -> "Planner":
         """Return the planner after looking at the machine once.
 
         Parameters

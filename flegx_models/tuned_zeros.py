@@ -32,7 +32,7 @@ from flegx_models.parameters_control import CONTROL
 from flegx_models.published import PUBLISHED
 from flegx_models.splines import Motion, QuinticSpline
 
-_SAMPLES = 2048
+_SAMPLES = 2000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

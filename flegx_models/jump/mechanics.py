@@ -97,8 +97,9 @@ def _leg(parameters: ParameterSet) -> Leg:
     # Work is the integral of the forces: the foot's place of its velocity, and the
     # potential of the weights at rest.
     hip, knee = _PLACES[1:]
-    place = [sum(sympy.integrate(row[k], _PLACES[k]) for k in (1, 2))
-             for row in (foot.row(0), foot.row(1))]  # fmt: skip
+    place = [
+        sum(sympy.integrate(foot[row, k], _PLACES[k]) for k in (1, 2)) for row in (0, 1)
+    ]
     still = bias.xreplace(dict.fromkeys(_SPEEDS, sympy.S.Zero))
     potential = -sum(sympy.integrate(still[k], _PLACES[k]) for k in (1, 2))
     fallen = [_with(values, x) for x in (*place, potential, -still[0])]
