@@ -110,20 +110,17 @@ def test_optimum_agrees_with_a_search_over_everything():
     for zero in np.geomspace(0.2, 300, 60):
         for pole in np.geomspace(0.2, 300, 60):
             shape = ZeroPoleGain(zeros=(-zero,), poles=(-pole,)).response(omega) * plant
+            turned = np.degrees(np.unwrap(np.angle(shape)))
             for k in np.flatnonzero((omega > 0.9 * found.value) & (omega < 100)):
                 loop = shape / abs(shape[k])
                 falls = np.flatnonzero(np.diff(np.sign(np.abs(loop) - 1)))
                 if (np.abs(loop[:k]) < 1).any():
                     continue
-                margin = 180 - np.abs(np.degrees(np.angle(loop[falls])))
+                # From -90° at rest on, unwrapped: less than -180° is unstable.
+                margin = 180 + turned[falls]
                 peak = np.abs(1 / (1 + loop)).max()
                 if margin.min(initial=180) >= 60 and peak <= 1.4:
-                    tried = ZeroPoleGain(
-                        zeros=(-zero,), poles=(-pole,), gain=1 / abs(shape[k])
-                    )
-                    whole = Loop(plant=SERVO.plant, controller=tried)
-                    if omega[k] > best and Assessment(whole).stable:
-                        best = float(omega[k])
+                    best = max(best, float(omega[k]))
                 else:
                     break  # faster is worse from here on
     assert found.value >= 0.985 * best
