@@ -153,11 +153,11 @@ _HOME = {
         "Overshoot",
         "SettlingTime",
     ),
+    "bondgraph.loopshaping.sizing": ("Free",),
     "bondgraph.loopshaping.shaping": (
         "shape",
         "Design",
         "DesignStatus",
-        "Free",
     ),
     "bondgraph.loopshaping.friction": (
         "FrictionRule",
@@ -167,6 +167,17 @@ _HOME = {
         "loop_sheet",
         "comparison_sheet",
         "write_picture",
+    ),
+    "bondgraph.reconciliation.reconcile": ("reconcile",),
+    "bondgraph.reconciliation.published": (
+        "as_printed",
+        "PublishedResult",
+    ),
+    "bondgraph.reconciliation.records": (
+        "Reconciliation",
+        "ReconciliationStatus",
+        "Explanation",
+        "Change",
     ),
     "bondgraph.errors": ("BondGraphError",),
 }
@@ -249,8 +260,8 @@ if TYPE_CHECKING:
     from bondgraph.loopshaping.requirements import Specification as Specification
     from bondgraph.loopshaping.shaping import Design as Design
     from bondgraph.loopshaping.shaping import DesignStatus as DesignStatus
-    from bondgraph.loopshaping.shaping import Free as Free
     from bondgraph.loopshaping.shaping import shape as shape
+    from bondgraph.loopshaping.sizing import Free as Free
     from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain as ZeroPoleGain
     from bondgraph.notebook import load_ipython_extension as load_ipython_extension
     from bondgraph.numeric.implicit.matrices import (
@@ -270,6 +281,15 @@ if TYPE_CHECKING:
         transfer_function_to_control as transfer_function_to_control,
     )
     from bondgraph.numeric.steady_state import steady_state as steady_state
+    from bondgraph.reconciliation.published import PublishedResult as PublishedResult
+    from bondgraph.reconciliation.published import as_printed as as_printed
+    from bondgraph.reconciliation.reconcile import reconcile as reconcile
+    from bondgraph.reconciliation.records import Change as Change
+    from bondgraph.reconciliation.records import Explanation as Explanation
+    from bondgraph.reconciliation.records import Reconciliation as Reconciliation
+    from bondgraph.reconciliation.records import (
+        ReconciliationStatus as ReconciliationStatus,
+    )
     from bondgraph.recordings.binding import BoundRecording as BoundRecording
     from bondgraph.recordings.binding import bind as bind
     from bondgraph.recordings.frames import from_pandas as from_pandas

@@ -54,6 +54,7 @@ _GIVEN: tuple[_Row, ...] = (
     ("f_2_fem", 241.0, "Hz", 0.5, "table 3.3"),
     ("f_3_fem", 676.0, "Hz", 0.5, "table 3.3"),
     ("f_1_expected", 37.26, "Hz", 0.005, "eq. 3.20"),
+    ("added_mass_share", 0.23, "1", 0.005, "eq. 3.19"),
     ("m_eq", 0.13, "kg", 0.005, "section 3.1.3, before eq. 3.21"),
     ("f_1_corrected", 30.19, "Hz", 0.005, "eq. 3.21"),
     # Torque sensors, sections 3.1.4 and 3.2.1; slopes in N·m per volt.

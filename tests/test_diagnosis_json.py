@@ -172,7 +172,7 @@ def test_what_is_no_number_becomes_null() -> None:
         (Verdict.ADEQUATE, "adequate"),
         ((k for k in range(2)), [0, 1]),
     ],
-    ids=str,
+    ids=lambda case: type(case).__name__,
 )
 def test_values_become_json_types(value: object, expected: object) -> None:
     made = json_value(value)

@@ -11,8 +11,7 @@ from functools import cache
 
 import sympy
 
-from bondgraph import Parameter, ParameterSet, derive, linearise
-from bondgraph.reconciliation import reconcile
+from bondgraph import Parameter, ParameterSet, derive, linearise, reconcile
 from flegx_models import models
 from flegx_models.audit.records import (
     Correction,

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import sympy
 
-from bondgraph import Parameter, ParameterSet
-from bondgraph.reconciliation import reconcile
+from bondgraph import Parameter, ParameterSet, reconcile
 from flegx_models.audit.chapter4 import gain_of
 from flegx_models.audit.records import (
     Correction,

@@ -7,8 +7,9 @@ from typing import Any
 
 import sympy
 
-from bondgraph import Parameter, ParameterSet
-from bondgraph.reconciliation import (
+from bondgraph import (
+    Parameter,
+    ParameterSet,
     PublishedResult,
     Reconciliation,
     ReconciliationStatus,

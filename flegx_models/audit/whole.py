@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from bondgraph.reconciliation import Change, Reconciliation
+from bondgraph import Change, Reconciliation
 from flegx_models.audit import chapter2, chapter3, chapter4, control, loops
 from flegx_models.audit.records import Audit, Row, Verdict
 

@@ -11,8 +11,9 @@ what remains is how well the equivalent mass is known.
 import math
 
 from flegx_models.characterisation.errors import CharacterisationError
+from flegx_models.parameters_chapter3 import CHAPTER_3
 
-THESIS_SHARE = 0.23
+THESIS_SHARE = CHAPTER_3.values_by_name()["added_mass_share"]
 """The share of the strip's mass in eq. 3.19."""
 
 RAYLEIGH_SHARE = 33 / 140
