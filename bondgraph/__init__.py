@@ -179,6 +179,44 @@ _HOME = {
         "Explanation",
         "Change",
     ),
+    "bondgraph.loopshaping.delivery.feedforward": ("gravity_feedforward",),
+    "bondgraph.loopshaping.delivery.anti_windup": (
+        *("NoAntiWindup", "Clamping", "BackCalculation"),
+    ),
+    "bondgraph.loopshaping.delivery.discretise": (
+        "Tustin",
+        "Matched",
+        "ExactHold",
+    ),
+    "bondgraph.loopshaping.synthesis.structure": ("ControllerStructure",),
+    "bondgraph.loopshaping.delivery.sampled_loop": (
+        *("simulate_sampled", "Encoder", "LinearPlant"),
+    ),
+    "bondgraph.loopshaping.synthesis.optimise": ("optimise_controller",),
+    "bondgraph.loopshaping.synthesis.family": (
+        *("Posterior", "Ranges", "PlantHypothesis", "PlantFamily"),
+    ),
+    "bondgraph.loopshaping.synthesis.objectives": (
+        *("FastestCrossover", "LeastNoise", "BestRejection"),
+    ),
+    "bondgraph.loopshaping.delivery.c_code": ("controller_to_c99",),
+    "bondgraph.loopshaping.synthesis.robust": (
+        "robust_controller",
+        "robustness",
+    ),
+    "bondgraph.loopshaping.delivery.arithmetic": (
+        "Double",
+        "Single",
+        "FixedPoint",
+    ),
+    "bondgraph.loopshaping.delivery.digital": (
+        *("digital_controller", "DigitalController"),
+    ),
+    "bondgraph.loopshaping.synthesis.answer": ("OptimisedController",),
+    "bondgraph.loopshaping.synthesis.limits": (
+        *("ModulusMargin", "FirstCrossover", "CrossoverAtMost", "PeakNoiseGain"),
+        *("ActuatorLimit",),
+    ),
     "bondgraph.errors": ("BondGraphError",),
 }
 _WHERE = {name: home for home, names in _HOME.items() for name in names}
@@ -236,6 +274,34 @@ if TYPE_CHECKING:
     from bondgraph.loopshaping.controllers import Notch as Notch
     from bondgraph.loopshaping.controllers import Product as Product
     from bondgraph.loopshaping.controllers import RollOff as RollOff
+    from bondgraph.loopshaping.delivery.anti_windup import (
+        BackCalculation as BackCalculation,
+    )
+    from bondgraph.loopshaping.delivery.anti_windup import Clamping as Clamping
+    from bondgraph.loopshaping.delivery.anti_windup import NoAntiWindup as NoAntiWindup
+    from bondgraph.loopshaping.delivery.arithmetic import Double as Double
+    from bondgraph.loopshaping.delivery.arithmetic import FixedPoint as FixedPoint
+    from bondgraph.loopshaping.delivery.arithmetic import Single as Single
+    from bondgraph.loopshaping.delivery.c_code import (
+        controller_to_c99 as controller_to_c99,
+    )
+    from bondgraph.loopshaping.delivery.digital import (
+        DigitalController as DigitalController,
+    )
+    from bondgraph.loopshaping.delivery.digital import (
+        digital_controller as digital_controller,
+    )
+    from bondgraph.loopshaping.delivery.discretise import ExactHold as ExactHold
+    from bondgraph.loopshaping.delivery.discretise import Matched as Matched
+    from bondgraph.loopshaping.delivery.discretise import Tustin as Tustin
+    from bondgraph.loopshaping.delivery.feedforward import (
+        gravity_feedforward as gravity_feedforward,
+    )
+    from bondgraph.loopshaping.delivery.sampled_loop import Encoder as Encoder
+    from bondgraph.loopshaping.delivery.sampled_loop import LinearPlant as LinearPlant
+    from bondgraph.loopshaping.delivery.sampled_loop import (
+        simulate_sampled as simulate_sampled,
+    )
     from bondgraph.loopshaping.friction import FrictionRule as FrictionRule
     from bondgraph.loopshaping.friction import with_friction_pole as with_friction_pole
     from bondgraph.loopshaping.loop import Loop as Loop
@@ -262,6 +328,39 @@ if TYPE_CHECKING:
     from bondgraph.loopshaping.shaping import DesignStatus as DesignStatus
     from bondgraph.loopshaping.shaping import shape as shape
     from bondgraph.loopshaping.sizing import Free as Free
+    from bondgraph.loopshaping.synthesis.answer import (
+        OptimisedController as OptimisedController,
+    )
+    from bondgraph.loopshaping.synthesis.family import PlantFamily as PlantFamily
+    from bondgraph.loopshaping.synthesis.family import (
+        PlantHypothesis as PlantHypothesis,
+    )
+    from bondgraph.loopshaping.synthesis.family import Posterior as Posterior
+    from bondgraph.loopshaping.synthesis.family import Ranges as Ranges
+    from bondgraph.loopshaping.synthesis.limits import ActuatorLimit as ActuatorLimit
+    from bondgraph.loopshaping.synthesis.limits import (
+        CrossoverAtMost as CrossoverAtMost,
+    )
+    from bondgraph.loopshaping.synthesis.limits import FirstCrossover as FirstCrossover
+    from bondgraph.loopshaping.synthesis.limits import ModulusMargin as ModulusMargin
+    from bondgraph.loopshaping.synthesis.limits import PeakNoiseGain as PeakNoiseGain
+    from bondgraph.loopshaping.synthesis.objectives import (
+        BestRejection as BestRejection,
+    )
+    from bondgraph.loopshaping.synthesis.objectives import (
+        FastestCrossover as FastestCrossover,
+    )
+    from bondgraph.loopshaping.synthesis.objectives import LeastNoise as LeastNoise
+    from bondgraph.loopshaping.synthesis.optimise import (
+        optimise_controller as optimise_controller,
+    )
+    from bondgraph.loopshaping.synthesis.robust import (
+        robust_controller as robust_controller,
+    )
+    from bondgraph.loopshaping.synthesis.robust import robustness as robustness
+    from bondgraph.loopshaping.synthesis.structure import (
+        ControllerStructure as ControllerStructure,
+    )
     from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain as ZeroPoleGain
     from bondgraph.notebook import load_ipython_extension as load_ipython_extension
     from bondgraph.numeric.implicit.matrices import (
