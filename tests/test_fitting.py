@@ -123,6 +123,21 @@ def test_a_spring_mass_damper_is_recovered():
     assert result.model.parameters["m"].std is None
 
 
+def test_the_covariance_says_what_is_known_only_together():
+    graph = spring_mass()
+    result = fit(graph, [spring_mass_recording(graph)], settings=WHOLE)
+    covariance = np.array(result.covariance)
+    std = [estimate.std for estimate in result.estimates]
+    assert np.sqrt(np.diag(covariance)) == pytest.approx(std)
+    assert np.allclose(covariance, covariance.T, rtol=1e-9, atol=0.0)
+    # k/m is the natural frequency squared: known better than either of them
+    names = [estimate.name for estimate in result.estimates]
+    relative = covariance / np.outer(*2 * [[e.value for e in result.estimates]])
+    m, k = names.index("m"), names.index("k")
+    ratio = relative[k, k] + relative[m, m] - 2 * relative[k, m]
+    assert ratio < min(relative[k, k], relative[m, m])
+
+
 def test_several_recordings_share_parameters_and_not_initial_states():
     graph = spring_mass()
     recordings = [

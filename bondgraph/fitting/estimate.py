@@ -350,6 +350,7 @@ def report(
         iterations=optimum.iterations,
         unidentifiable=null_sentences(names, known.null),
         window=_window_seconds(fitted),
+        covariance=tuple(tuple(map(float, row)) for row in known.covariance),
     )
 
 

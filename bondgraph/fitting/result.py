@@ -59,6 +59,10 @@ class FitResult:
         Sentences such as "m and k only as k/m", empty when all is identifiable.
     window
         Seconds simulated from each estimated initial state; None for whole recordings.
+    covariance
+        Of the estimates, row by row in their order, in their units; its diagonal is the
+        square of their ``std``. It says what the estimates know only together: products
+        and ratios.
     """
 
     status: FitStatus
@@ -69,6 +73,7 @@ class FitResult:
     iterations: int
     unidentifiable: tuple[str, ...] = ()
     window: float | None = None
+    covariance: tuple[tuple[float, ...], ...] = ()
 
     def estimate(self, name: str) -> Estimate:
         """Return the estimate of the parameter called `name`."""

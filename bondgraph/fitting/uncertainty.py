@@ -61,7 +61,10 @@ def uncertainty(problem: FitProblem, optimum: Optimum) -> Uncertainty:
     covariance = inverse @ np.maximum(meat, meat.T) @ inverse
     # White-noise covariance is the floor: few blocks can look better by chance.
     floor = inverse * variance
+    own = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     std = np.sqrt(np.maximum(np.diag(covariance), np.diag(floor)))
+    scale = np.divide(std, own, out=np.ones(nq), where=own > 0)
+    covariance = covariance * np.outer(scale, scale)
     involved = np.abs(null).max(axis=0) > 0.05 if len(null) else np.zeros(nq, bool)
     return Uncertainty(covariance, np.where(involved, np.nan, std), null)
 
