@@ -5,8 +5,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.signal import lsim
 from scipy.stats import binom
 
+from bondgraph import BondGraph, I, R, Recording, Se, bind_to, fit
 from bondgraph.equations.derivation import derive
 from bondgraph.equations.linear import linearise
 from bondgraph.errors import LoopShapingError, ParameterError
@@ -223,3 +225,37 @@ def test_unknown_uncertainty_is_refused_by_name():
         Ranges({"k": (2.0, 1.0)})
     with pytest.raises(LoopShapingError, match="hypotheses"):
         PlantFamily(())
+
+
+def test_the_posterior_of_a_fit_keeps_what_is_known_only_together():
+    # A spinning inertia with friction: from torque and speed a fit knows both.
+    graph = BondGraph("wheel", domain="rotation")
+    graph.one("wheel", Se("torque"), I("inertia"), R("drag"))
+    graph.measure("speed", flow="wheel")
+    graph.parameter("inertia", 0.8, "kg*m^2")
+    graph.parameter("drag", 0.5, "N*m*s/rad")
+    time = np.linspace(0.0, 20.0, 2001)
+    torque = np.sign(np.sin(1.3 * time))
+    _, speed, _ = lsim(([1.0], [0.6, 0.3]), torque, time, interp=False)
+    noisy = speed + np.random.default_rng(3).normal(0.0, 0.02, len(time))
+    channels = {"torque": (torque, "N*m"), "speed": (noisy, "rad/s")}
+    finished = graph.finish()
+    recording = bind_to(finished, Recording.from_arrays("bench", time, channels))
+    result = fit(finished, [recording])
+    names = [estimate.name for estimate in result.estimates]
+    posterior = Posterior.of(
+        result.model.parameters, covariance=np.array(result.covariance), names=names
+    )
+
+    def servo(values):
+        poles = (0.0, -values["drag"] / values["inertia"])
+        return Loop(plant=ZeroPoleGain(poles=poles, gain=1 / values["inertia"]))
+
+    hypothesis = PlantHypothesis(name="fit", build=servo, uncertainty=(posterior,))
+    family = PlantFamily((hypothesis,))
+    lead = ZeroPoleGain(zeros=(-1.0,), gain=2.0)
+    report = robustness(lead, family, (PhaseMargin(45.0),), samples=100)
+    assert report.violations == 0
+    assert report.violated_at_most == pytest.approx(violated_at_most(0, 100, 0.95))
+    tight = robustness(lead, family, (PhaseMargin(89.9),), samples=20)
+    assert tight.violations == 20
