@@ -77,7 +77,9 @@ def rebuilt(
         "measurements": tuple(
             replace(m, expression=law(m.expression)) for m in graph.measurements
         ),
-        "preferences": (),
+        "preferences": tuple(
+            replace(p, element=place(p.element)) for p in graph.preferences
+        ),
     }
     return replace(graph, **(given | changes))
 

@@ -290,7 +290,8 @@ def test_a_simulation_that_ran_away_does_not_hide_the_rest(
     away[2000:] = np.nan
     page = Page(report_html(replace(diagnosis, traces=(replace(trace, before=away),))))
     assert page.problems == []
-    plots = [a for t, a in page.elements if t == "path" and "measured" in a["class"]]
+    paths = [a for t, a in page.elements if t == "path" and "class" in a]
+    plots = [a for a in paths if "measured" in a["class"]]
     heights = [float(y) for y in re.findall(r"[ML]\S+ (\S+?)(?=L|M|$)", plots[-1]["d"])]
     assert max(heights) - min(heights) > 200
 
