@@ -18,7 +18,12 @@ from bondgraph.structure.elements import (
 )
 from bondgraph.structure.fields import MultiPort, ResistanceField, StorageField
 from bondgraph.structure.linear_units import linear_unit
-from bondgraph.structure.nodes import parameters_of, port_count, written_laws
+from bondgraph.structure.nodes import (
+    is_linear,
+    parameters_of,
+    port_count,
+    written_laws,
+)
 from bondgraph.structure.signals import Signal, parameters_in, signals_in
 from bondgraph.structure.units import compatible
 
@@ -109,12 +114,14 @@ def _check_port_count(node: Node, count: int) -> None:
 
 def _check_domains(graph: "FinishedGraph") -> None:
     """Refuse a junction whose bonds belong to different energy domains."""
-    domain_of = dict(zip(graph.bonds, graph.domains, strict=True))
     for node in graph.nodes:
         if not isinstance(node, Junction):
             continue
-        bonds = graph.bonds_at(node.name)
-        checked = {domain_of[b].name: b for b in bonds if domain_of[b].checked}
+        domains = graph.domains_at(node.name)
+        if len(set(map(id, domains))) == 1:
+            continue
+        pairs = zip(graph.bonds_at(node.name), domains, strict=True)
+        checked = {domain.name: bond for bond, domain in pairs if domain.checked}
         if len(checked) > 1:
             (one, first), (other, second), *_ = checked.items()
             raise UnitError(
@@ -187,10 +194,11 @@ def _check_parameters(graph: "FinishedGraph") -> None:
                 (name,),
                 "Declare it with parameter(name, value, unit).",
             )
-    domain_of = dict(zip(graph.bonds, graph.domains, strict=True))
     for node in graph.nodes:
+        if not is_linear(node):
+            continue
         bonds = graph.bonds_at(node.name)
-        wanted = linear_unit(node, bonds, tuple(domain_of[b] for b in bonds))
+        wanted = linear_unit(node, bonds, graph.domains_at(node.name))
         if wanted is not None:
             _check_unit(graph, node, *wanted)
 

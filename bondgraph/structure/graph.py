@@ -140,6 +140,10 @@ class FinishedGraph:
         """Return the bonds at a node, in the author's order."""
         return tuple(self.bonds[i] for i in self._bonds_at.get(name, ()))
 
+    def domains_at(self, name: str) -> tuple[EnergyDomain, ...]:
+        """Return the domains of the bonds at a node, in the author's order."""
+        return tuple(self.domains[i] for i in self._bonds_at.get(name, ()))
+
     def has_place(self, name: str) -> bool:
         """Return whether there is a node or bond called `name`."""
         return name in self._nodes or name in self._bond or name in self._port
