@@ -14,10 +14,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import sympy
 from numpy.typing import NDArray
 
-from bondgraph import FinishedGraph, derive
+from bondgraph import FinishedGraph, to_nonlinear_io
 from flegx_models.planar_leg import CARRIERS, JOINTS
 
 Array = NDArray[np.float64]
@@ -59,15 +58,9 @@ class Leg:
     """
 
     def __init__(self, graph: FinishedGraph) -> None:
-        self._equations = derive(graph)
         self._values = graph.parameters.values_by_name()
-        put = {s: self._values[s.name] for s in self._equations.parameters}
-        self._steps = [
-            (a.symbol, a.expression.xreplace(put)) for a in self._equations.assignments
-        ]
-        self._rates = [rate.xreplace(put) for rate in self._equations.rates]
-        self._residuals = [r.xreplace(put) for r in self._equations.residuals]
-        states = {state.symbol.name for state in self._equations.states}
+        self._machine = to_nonlinear_io(graph)
+        states = self._machine.state_labels
         self.joints = tuple(j for j in JOINTS if f"p_{CARRIERS[j]}" in states)
 
     @property
@@ -113,40 +106,20 @@ class Leg:
         known |= {f"T_{joint}": value for joint, value in torque.items()}
         for joint, carrier in CARRIERS.items():
             known[f"p_{carrier}"] = self._values[carrier] * speed.get(joint, 0.0)
-        rates = self._evaluated(known)
+        x, u = (
+            np.array([known.get(name, 0.0) for name in names])
+            for names in (self._machine.state_labels, self._machine.input_labels)
+        )
+        rates = dict(
+            zip(
+                self._machine.state_labels,
+                self._machine.dynamics(0.0, x, u),
+                strict=True,
+            )
+        )
         return np.array(
             [
                 rates[f"p_{CARRIERS[joint]}"] / self._values[CARRIERS[joint]]
                 for joint in self.joints
             ]
         )
-
-    def _evaluated(self, known: Mapping[str, float]) -> dict[str, float]:
-        """Return the rates, solving for the efforts of dependent storages."""
-        equations = self._equations
-        states = [state.symbol for state in equations.states]
-        leaves = (*states, *equations.inputs)
-        at: dict[sympy.Symbol, sympy.Expr] = {
-            x: sympy.Float(known.get(x.name, 0.0)) for x in leaves
-        }
-        for symbol, expression in self._steps:
-            at[symbol] = expression.xreplace(at)
-        rates = [state.rate for state in equations.states]
-        rows = [r - x.xreplace(at) for r, x in zip(rates, self._rates, strict=True)]
-        # A rate that is known already makes the products with it linear.
-        settled = {r: r - row for r, row in zip(rates, rows, strict=True)}
-        settled = {r: x for r, x in settled.items() if not x.free_symbols}
-        rows += [r.xreplace(at).xreplace(settled) for r in self._residuals]
-        unknown = [*rates, *equations.unknowns]
-        matrix, right = sympy.linear_eq_to_matrix(
-            [row.xreplace(settled) for row in rows if row.xreplace(settled) != 0],
-            [x for x in unknown if x not in settled],
-        )
-        names = [x.name for x in unknown if x not in settled]
-        solved = np.linalg.solve(
-            np.array(matrix.tolist(), float), np.array(right.tolist(), float).ravel()
-        )
-        found = {state.rate: state.symbol.name for state in equations.states}
-        values = dict(zip(names, map(float, solved), strict=True))
-        values |= {rate.name: float(x) for rate, x in settled.items()}
-        return {name: values[rate.name] for rate, name in found.items()}
