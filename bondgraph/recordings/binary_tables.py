@@ -4,107 +4,108 @@ Whatever those libraries raise over a damaged file becomes one refusal that name
 Neither format runs code when it is read.
 """
 
-import io
 import re
 import warnings
-from collections.abc import Sequence
-from hashlib import sha256
-from typing import Any, cast
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from bondgraph.errors import MissingExtraError, RecordingError
 from bondgraph.recordings.channel import FloatArray
+from bondgraph.recordings.files import digest
 from bondgraph.recordings.repairs import AbstractTable
 
 MOST_COLUMNS_LISTED = 64
 """A matrix with more rows (columns) than this is not a table of channels that way."""
 
-_ELEMENT = re.compile(r"^(\w+)\((:|\d+),(:|\d+)\)$")
+ROWS = 1 << 20
+"""Rows of a Parquet file held at a time."""
+
+_ELEMENT = re.compile(r"^([\w/.]+)\((:|\d+),(:|\d+)\)$")
 
 
 class ParquetTable(AbstractTable):
     """The content of a Parquet file whose columns are named ``name [unit]``."""
 
-    def __init__(self, content: bytes, source: str) -> None:
+    def __init__(self, path: Path) -> None:
         try:
             import pyarrow.parquet as pq  # noqa: PLC0415
         except ImportError as error:
             raise MissingExtraError(
-                f"Reading {source!r} needs pyarrow.",
+                f"Reading {str(path)!r} needs pyarrow.",
                 ("pyarrow",),
                 "Install bondgraph-workbench[data].",
             ) from error
-        self.source = source
-        self.sha256 = sha256(content).hexdigest()
+        self.source = str(path)
+        self.sha256 = digest(path)
         try:
-            self._file: Any = pq.ParquetFile(io.BytesIO(content))
+            self._file: Any = pq.ParquetFile(path)
             self.headers = tuple(self._file.schema_arrow.names)
         except Exception as error:
-            raise _damaged(source, "Parquet", error) from error
+            raise damaged(self.source, "Parquet", error) from error
 
     def columns(self, indices: Sequence[int]) -> list[FloatArray]:
         """Return the columns numbered `indices`; nan stands for a null."""
+        blocks = list(self.blocks(indices))
+        if not blocks:
+            return [np.empty(0) for _ in indices]
+        return [np.concatenate(column) for column in zip(*blocks, strict=True)]
+
+    def blocks(self, indices: Sequence[int]) -> Iterator[list[FloatArray]]:
+        """Yield the columns numbered `indices` row group by row group."""
         import pyarrow as pa  # noqa: PLC0415
 
-        columns = []
-        for index in indices:
-            header = self.headers[index]
-            kind = self._file.schema_arrow.field(index).type
+        headers = [self.headers[index] for index in indices]
+        for header in headers:
+            kind = self._file.schema_arrow.field(header).type
             numeric = pa.types.is_integer(kind) or pa.types.is_floating(kind)
             if not numeric and not pa.types.is_boolean(kind):
-                raise _not_numbers(self.source, header, str(kind))
-            try:
-                table = self._file.read(columns=[header])
-                values = table.column(0).cast(pa.float64())
-                columns.append(np.asarray(values.to_numpy(), dtype=np.float64))
-            except Exception as error:
-                raise _damaged(self.source, "Parquet", error) from error
-        return columns
+                raise not_numbers(self.source, header, str(kind))
+        try:
+            for batch in self._file.iter_batches(ROWS, columns=headers):
+                yield [_floats(batch.column(header), pa) for header in headers]
+        except Exception as error:
+            raise damaged(self.source, "Parquet", error) from error
+
+
+def _floats(column: Any, pa: Any) -> FloatArray:
+    values = column.cast(pa.float64()).to_numpy(zero_copy_only=False)
+    return np.asarray(values, dtype=np.float64)
 
 
 class MatTable(AbstractTable):
-    """The variables of a MAT file, version 4 to 7.2.
+    """The variables of a MAT file, version 4 to 7.2 (7.3 is an `Hdf5Table`).
 
     A matrix is offered column by column and row by row, as ``x(:,2)`` and ``x(1,:)``.
     """
 
     has_units = False
 
-    def __init__(self, content: bytes, source: str) -> None:
+    def __init__(self, path: Path) -> None:
         from scipy.io import whosmat  # noqa: PLC0415
 
-        self.source = source
-        self.sha256 = sha256(content).hexdigest()
-        self._content = content
+        self.source = str(path)
+        self.sha256 = digest(path)
+        self._path = path
         self._read: dict[str, Any] = {}
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
-                found = whosmat(cast(Any, io.BytesIO(content)))
+                found = whosmat(str(path), appendmat=False)
         except NotImplementedError as error:
-            raise RecordingError(
-                f"{source!r} is a MAT file of version 7.3, which is HDF5.",
-                (source,),
-                'Save it in MATLAB with save(..., "-v7"), or as CSV.',
-            ) from error
+            raise damaged(self.source, "MAT 7.3", error) from error
         except Exception as error:
-            raise _damaged(source, "MAT", error) from error
+            raise damaged(self.source, "MAT", error) from error
         self.headers = tuple(
-            h for name, shape, _ in found for h in _offers(name, shape)
+            offer for name, shape, _ in found for offer in offers(name, shape)
         )
 
     def columns(self, indices: Sequence[int]) -> list[FloatArray]:
         """Return the variables numbered `indices`."""
         columns = [self._vector(self.headers[index]) for index in indices]
-        for index, column in zip(indices, columns, strict=True):
-            if column.size != columns[0].size:
-                raise RecordingError(
-                    f"{self.headers[index]!r} of {self.source!r} has {column.size} "
-                    f"values and {self.headers[indices[0]]!r} has {columns[0].size}.",
-                    (self.source, self.headers[index]),
-                    "Channels of one recording have one value per sample each.",
-                )
+        check_lengths(self.source, [self.headers[i] for i in indices], columns)
         return columns
 
     def row(self, i: int) -> str:
@@ -112,41 +113,35 @@ class MatTable(AbstractTable):
         return f"sample {i + 1}"
 
     def _vector(self, header: str) -> FloatArray:
-        element = _ELEMENT.match(header)
-        name = header if element is None else element[1]
+        name, part = split_offer(header)
         value = self._variable(name)
         if not isinstance(value, np.ndarray) or value.dtype.kind not in "biuf":
             kind = "complex" if np.iscomplexobj(value) else "not an array of numbers"
-            raise _not_numbers(self.source, header, kind)
-        if element is None and max(value.shape, default=0) != value.size:
-            raise RecordingError(
-                f"{name!r} of {self.source!r} is a "
-                f"{'x'.join(map(str, value.shape))} array.",
-                (self.source, name),
-                f"Name one column or row of it, as {name}(:,1) or {name}(1,:).",
-            )
-        if element is not None:
-            row, column = element[2], element[3]
-            value = value[:, int(column) - 1] if row == ":" else value[int(row) - 1]
+            raise not_numbers(self.source, header, kind)
+        if part is None and max(value.shape, default=0) != value.size:
+            raise is_matrix(self.source, name, value.shape)
+        if part is not None:
+            value = value[part]
         return np.asarray(value, dtype=np.float64).ravel()
 
     def _variable(self, name: str) -> Any:
         from scipy.io import loadmat  # noqa: PLC0415
 
         if name not in self._read:
-            file = cast(Any, io.BytesIO(self._content))
             try:
                 with warnings.catch_warnings():
                     warnings.simplefilter("error")
-                    found = loadmat(file, variable_names=[name])
+                    found = loadmat(
+                        str(self._path), appendmat=False, variable_names=[name]
+                    )
                 self._read[name] = found[name]
             except Exception as error:
-                raise _damaged(self.source, "MAT", error) from error
+                raise damaged(self.source, "MAT", error) from error
         return self._read[name]
 
 
-def _offers(name: str, shape: tuple[int, ...]) -> list[str]:
-    """Return what a MAT variable can be read as."""
+def offers(name: str, shape: tuple[int, ...]) -> list[str]:
+    """Return what a variable can be read as: itself, or one column or row of it."""
     if len(shape) != 2 or 1 in shape:
         return [name]
     rows, columns = (n if n <= MOST_COLUMNS_LISTED else 0 for n in shape)
@@ -154,7 +149,41 @@ def _offers(name: str, shape: tuple[int, ...]) -> list[str]:
     return [name, *by_column, *(f"{name}({i + 1},:)" for i in range(rows))]
 
 
-def _damaged(source: str, kind: str, error: Exception) -> RecordingError:
+def split_offer(header: str) -> tuple[str, tuple[slice | int, slice | int] | None]:
+    """Return the variable that an offer names, and the part of it, None for all."""
+    match = _ELEMENT.match(header)
+    if match is None:
+        return header, None
+    if match[2] == ":":
+        return match[1], (slice(None), int(match[3]) - 1)
+    return match[1], (int(match[2]) - 1, slice(None))
+
+
+def check_lengths(
+    source: str, headers: Sequence[str], columns: Sequence[FloatArray]
+) -> None:
+    """Refuse channels that have different numbers of samples."""
+    for header, column in zip(headers, columns, strict=True):
+        if column.size != columns[0].size:
+            raise RecordingError(
+                f"{header!r} of {source!r} has {column.size} "
+                f"values and {headers[0]!r} has {columns[0].size}.",
+                (source, header),
+                "Channels of one recording have one value per sample each.",
+            )
+
+
+def is_matrix(source: str, name: str, shape: tuple[int, ...]) -> RecordingError:
+    """Return the refusal of a whole matrix as one channel."""
+    return RecordingError(
+        f"{name!r} of {source!r} is a {'x'.join(map(str, shape))} array.",
+        (source, name),
+        f"Name one column or row of it, as {name}(:,1) or {name}(1,:).",
+    )
+
+
+def damaged(source: str, kind: str, error: Exception) -> RecordingError:
+    """Return the refusal of a file that its library cannot read."""
     reason = " ".join(str(error).split())[:120] or type(error).__name__
     return RecordingError(
         f"{source!r} cannot be read as {kind} ({reason}).",
@@ -163,7 +192,8 @@ def _damaged(source: str, kind: str, error: Exception) -> RecordingError:
     )
 
 
-def _not_numbers(source: str, header: str, kind: str) -> RecordingError:
+def not_numbers(source: str, header: str, kind: str) -> RecordingError:
+    """Return the refusal of a column that holds something else."""
     return RecordingError(
         f"{header!r} of {source!r} is not a column of numbers ({kind}).",
         (source, header),

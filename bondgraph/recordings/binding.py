@@ -133,6 +133,8 @@ def bind(
         name: _channel(recording, name, mapping, None if name in unchecked else unit)
         for name, unit in needed.items()
     }
+    for name in inputs:
+        _check_driven(recording, name, found[name])
     used = {mapping.get(name, name) for name in needed}
     return BoundRecording(
         name=recording.name,
@@ -221,6 +223,20 @@ def _channel(
             "Correct the unit in the header or the domain of the model.",
         ) from error
     return channel.to(unit)
+
+
+def _check_driven(recording: Recording, name: str, channel: Channel) -> None:
+    """Refuse an input with gaps: nothing says what drove the machine in them."""
+    missing = np.flatnonzero(np.isnan(channel.values))
+    if missing.size:
+        raise RecordingError(
+            f"Input {name!r} of {recording.name!r} was not measured in "
+            f"{missing.size} of {len(recording)} samples, first at "
+            f"{recording.time[missing[0]]:.6g} s.",
+            (recording.name, name),
+            'Drop those rows with gaps="drop"; or, of a command that stays until the '
+            "next, put the channels on one clock with held=(...).",
+        )
 
 
 def _matrix(channels: list[Channel], samples: int) -> FloatArray:

@@ -1,6 +1,6 @@
 """A channel: one measured quantity, with its unit, in numbers that cannot change."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,15 +22,23 @@ def read_only(values: ArrayLike) -> FloatArray:
 class Channel:
     """One measured quantity: its name, its unit and one value per sample.
 
+    Parameters
+    ----------
+    name, unit, values
+        The values are finite, except for gaps.
+    gaps
+        Whether NaN stands for a sample at which the quantity was not measured.
+
     Raises
     ------
     RecordingError
-        If the values are not a vector of finite numbers.
+        If the values are not a vector of finite numbers, or all of them are gaps.
     """
 
     name: str
     unit: str
     values: FloatArray
+    gaps: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", read_only(self.values))
@@ -40,7 +48,14 @@ class Channel:
                 (self.name,),
                 "Give one value per sample.",
             )
-        bad = np.flatnonzero(~np.isfinite(self.values))
+        if self.gaps and np.isnan(self.values).all():
+            raise RecordingError(
+                f"Channel {self.name!r} was never measured.",
+                (self.name,),
+                "Leave it out.",
+            )
+        refused = np.isinf if self.gaps else _not_finite
+        bad = np.flatnonzero(refused(self.values))
         if bad.size:
             raise RecordingError(
                 f"Channel {self.name!r} is not finite in {bad.size} samples, "
@@ -60,7 +75,15 @@ class Channel:
                 (self.name, self.unit, unit),
                 error.remedy,
             ) from error
-        return Channel(self.name, unit, self.values * scale + offset)
+        return replace(self, unit=unit, values=self.values * scale + offset)
+
+    def at(self, rows: slice | NDArray[np.intp]) -> "Channel":
+        """Return the channel with the samples numbered `rows` only."""
+        return replace(self, values=self.values[rows])
+
+
+def _not_finite(values: FloatArray) -> NDArray[np.bool_]:
+    return ~np.isfinite(values)
 
 
 def numbers(name: str, values: ArrayLike) -> FloatArray:

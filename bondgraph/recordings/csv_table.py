@@ -1,34 +1,44 @@
-"""Reading CSV: one compiled pass over good files, a slow one that finds the fault.
+"""Reading CSV, block by block: one compiled pass over good ones, a slow one for faults.
 
 numpy parses the numbers. Only when it cannot is the text walked line by line, to name
 the line and the column of the first cell that is at fault, or to let empty cells
-through as gaps.
+through as gaps. Never more than a block of text is held, however long the file.
 """
 
 import csv
 import io
-from collections.abc import Sequence
-from hashlib import sha256
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from bondgraph.errors import RecordingError
 from bondgraph.recordings.channel import FloatArray
+from bondgraph.recordings.files import digest
 from bondgraph.recordings.repairs import AbstractTable
 
 UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
 LONGEST_CELL_SHOWN = 40
 
+BLOCK = 1 << 24
+"""Characters of text held at a time."""
+
+
+class Block(NamedTuple):
+    """Whole lines of the file and the number of the first of them."""
+
+    first_line: int
+    text: str
+
 
 class CsvTable(AbstractTable):
-    """The content of a CSV file with one header line.
+    """A CSV file with one header line.
 
     Parameters
     ----------
-    content
-        The bytes of the file.
-    source
-        Its path, for messages.
+    path
+        The file; it is read anew for every question.
     delimiter, decimal
         The characters between cells and before decimals.
     encoding
@@ -37,57 +47,115 @@ class CsvTable(AbstractTable):
 
     def __init__(
         self,
-        content: bytes,
-        source: str,
+        path: Path,
         *,
         delimiter: str = ",",
         decimal: str = ".",
         encoding: str = "utf-8",
     ) -> None:
-        self.source = source
-        self.sha256 = sha256(content).hexdigest()
+        _check_marks(delimiter, decimal)
+        self.source = str(path)
+        self.sha256 = digest(path)
+        self._path = path
         self._delimiter = delimiter
         self._decimal = decimal
-        _check_marks(delimiter, decimal)
-        text = _decoded(content, source, encoding)
-        text = text.replace("\r\n", "\n").replace("\r", "\n")
-        blank = len(text) - len(text.lstrip("\n"))
-        header, _, self._body = text[blank:].partition("\n")
-        self._first_line = blank + 2
+        self._encoding = _encoding(path, encoding)
+        first, header = self._header_line()
+        self._first_line = first + 1
         self.headers = self._split_headers(header)
 
+    def columns(self, indices: Sequence[int]) -> list[FloatArray]:
+        """Return the columns numbered `indices`; nan stands for an empty cell."""
+        blocks = list(self.blocks(indices))
+        return [np.concatenate(column) for column in zip(*blocks, strict=True)]
+
+    def blocks(self, indices: Sequence[int]) -> Iterator[list[FloatArray]]:
+        """Yield the columns numbered `indices` block by block, in order."""
+        for block in self._text_blocks():
+            yield self._fast(block, indices) or self._slow(block, indices)
+
+    def row(self, i: int) -> str:
+        """Return the line of the file that row `i` is from."""
+        for block in self._text_blocks():
+            lines = _filled(block)
+            if i < len(lines):
+                return f"line {lines[i][0]}"
+            i -= len(lines)
+        return "its last line"
+
+    def _header_line(self) -> tuple[int, str]:
+        """Return the first line with something in it, and its number."""
+        for number, line in self._decoded_lines():
+            if line.strip("\n"):
+                return number, line.rstrip("\n")
+        raise RecordingError(
+            f"{self.source!r} is empty.",
+            (self.source,),
+            "Its first line must name the columns, as 'time [s],theta [rad]'.",
+        )
+
+    def _decoded_lines(self) -> Iterator[tuple[int, str]]:
+        with self._path.open(encoding=self._encoding) as file:
+            try:
+                yield from enumerate(file, start=1)
+            except UnicodeDecodeError as error:
+                raise self._undecodable() from error
+
+    def _text_blocks(self) -> Iterator[Block]:
+        """Yield the body in blocks of whole lines that have something in them."""
+        with self._path.open(encoding=self._encoding) as file:
+            try:
+                for _ in range(self._first_line - 1):
+                    file.readline()
+                number = self._first_line
+                while text := file.read(BLOCK):
+                    text += file.readline()
+                    if text.strip():
+                        yield Block(number, text)
+                    number += text.count("\n")
+            except UnicodeDecodeError as error:
+                raise self._undecodable() from error
+
+    def _undecodable(self) -> RecordingError:
+        """Return the refusal that names the line of the first byte that is no text."""
+        content = self._path.read_bytes()
+        try:
+            content.decode(self._encoding)
+        except UnicodeDecodeError as error:
+            line = content.count(b"\n", 0, error.start) + 1
+            what = f"the byte {content[error.start]:#04x}"
+        else:
+            line, what = 1, "a byte"
+        # "utf-8-sig" is how Python calls UTF-8 that may begin with a mark.
+        name = self._encoding.removesuffix("-sig").upper()
+        return RecordingError(
+            f"Line {line} of {self.source!r} has {what}, which is not {name} text.",
+            (self.source,),
+            'Save it as UTF-8, or give its encoding, as encoding="latin-1".',
+        )
+
     def _split_headers(self, header: str) -> tuple[str, ...]:
+        nameless = "Its first line must name the columns, as 'time [s],theta [rad]'."
         if not header.strip():
-            raise RecordingError(
-                f"{self.source!r} is empty.",
-                (self.source,),
-                "Its first line must name the columns, as 'time [s],theta [rad]'.",
-            )
+            raise RecordingError(f"{self.source!r} is empty.", (self.source,), nameless)
         try:
             (cells,) = csv.reader([header], delimiter=self._delimiter)
         except csv.Error as error:
             raise RecordingError(
                 f"The header of {self.source!r} cannot be read ({error}).",
                 (self.source,),
-                "Its first line must name the columns, as 'time [s],theta [rad]'.",
+                nameless,
             ) from error
         if len(cells) == 1:
-            for other in (";", "\t", ","):
-                if other in header and other != self._delimiter:
-                    raise RecordingError(
-                        f"The header of {self.source!r} is one column when cut at "
-                        f"{self._delimiter!r}.",
-                        (self.source,),
-                        f"It has {other!r} in it: try delimiter={other!r}.",
-                    )
+            self._refuse_other_delimiter(header)
         if all(_is_number(cell.strip(), self._decimal) for cell in cells):
             raise RecordingError(
                 f"{self.source!r} has numbers where its header should be (line "
                 f"{self._first_line - 1}).",
                 (self.source,),
-                "Its first line must name the columns, as 'time [s],theta [rad]'.",
+                nameless,
             )
-        if not self._body.strip():
+        if next(self._text_blocks(), None) is None:
             raise RecordingError(
                 f"{self.source!r} has a header and no samples.",
                 (self.source,),
@@ -95,37 +163,46 @@ class CsvTable(AbstractTable):
             )
         return tuple(cell.strip() for cell in cells)
 
-    def columns(self, indices: Sequence[int]) -> list[FloatArray]:
-        """Return the columns numbered `indices`; nan stands for an empty cell."""
-        body = self._body
-        if self._decimal != ".":
-            body = body.replace(self._decimal, ".")
-        if self._is_rectangular():
-            try:
-                table = np.loadtxt(
-                    io.StringIO(body),
-                    delimiter=self._delimiter,
-                    usecols=list(indices),
-                    comments=None,
-                    ndmin=2,
+    def _refuse_other_delimiter(self, header: str) -> None:
+        for other in (";", "\t", ","):
+            if other in header and other != self._delimiter:
+                raise RecordingError(
+                    f"The header of {self.source!r} is one column when cut at "
+                    f"{self._delimiter!r}.",
+                    (self.source,),
+                    f"It has {other!r} in it: try delimiter={other!r}.",
                 )
-            except ValueError:
-                pass  # the slow pass says what is wrong, and where
-            else:
-                return [np.ascontiguousarray(column) for column in table.T]
-        return self._slow_columns(indices)
 
-    def _is_rectangular(self) -> bool:
+    def _fast(self, block: Block, indices: Sequence[int]) -> list[FloatArray] | None:
+        """Return the columns of a block of plain numbers, None where it is not one."""
+        if not self._is_rectangular(block.text):
+            return None
+        text = block.text
+        if self._decimal != ".":
+            text = text.replace(self._decimal, ".")
+        try:
+            table = np.loadtxt(
+                io.StringIO(text),
+                delimiter=self._delimiter,
+                usecols=list(indices),
+                comments=None,
+                ndmin=2,
+            )
+        except ValueError:
+            return None  # the slow pass says what is wrong, and where
+        return [np.ascontiguousarray(column) for column in table.T]
+
+    def _is_rectangular(self, text: str) -> bool:
         """Return whether every line has as many cells as the header."""
-        data = np.frombuffer(self._body.rstrip("\n").encode() + b"\n", dtype=np.uint8)
+        data = np.frombuffer(text.rstrip("\n").encode() + b"\n", dtype=np.uint8)
         ends = np.flatnonzero(data == ord("\n"))
         cuts = np.flatnonzero(data == ord(self._delimiter))
         counts = np.diff(np.searchsorted(cuts, ends), prepend=0)
         return bool(np.all(counts == len(self.headers) - 1))
 
-    def _slow_columns(self, indices: Sequence[int]) -> list[FloatArray]:
+    def _slow(self, block: Block, indices: Sequence[int]) -> list[FloatArray]:
         values: list[list[float]] = [[] for _ in indices]
-        for number, line in self._lines():
+        for number, line in _filled(block):
             cells = line.split(self._delimiter)
             if len(cells) != len(self.headers):
                 raise RecordingError(
@@ -154,14 +231,34 @@ class CsvTable(AbstractTable):
             else "Mend that cell, or leave the column out with channels=(...).",
         )
 
-    def _lines(self) -> list[tuple[int, str]]:
-        """Return the lines with something in them, with their numbers."""
-        lines = enumerate(self._body.split("\n"), start=self._first_line)
-        return [(number, line) for number, line in lines if line.strip()]
 
-    def row(self, i: int) -> str:
-        """Return the line of the file that row `i` is from."""
-        return f"line {self._lines()[i][0]}"
+def _filled(block: Block) -> list[tuple[int, str]]:
+    """Return the lines of a block with something in them, with their numbers."""
+    lines = enumerate(block.text.split("\n"), start=block.first_line)
+    return [(number, line) for number, line in lines if line.strip()]
+
+
+def _encoding(path: Path, encoding: str) -> str:
+    """Return the name of the encoding that Python is to use."""
+    if encoding != "utf-8":
+        try:
+            "".encode(encoding)
+        except (LookupError, ValueError) as error:
+            raise RecordingError(
+                f"There is no encoding {encoding!r}.",
+                (encoding,),
+                "Write utf-8, utf-16 or latin-1.",
+            ) from error
+        return encoding
+    with path.open("rb") as file:
+        mark = file.read(2)
+    if mark in UTF16_MARKS:
+        raise RecordingError(
+            f"{str(path)!r} is written in UTF-16.",
+            (str(path),),
+            'Give encoding="utf-16", or save it as UTF-8.',
+        )
+    return "utf-8-sig"
 
 
 def _check_marks(delimiter: str, decimal: str) -> None:
@@ -183,30 +280,3 @@ def _is_number(cell: str, decimal: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _decoded(content: bytes, source: str, encoding: str) -> str:
-    if encoding == "utf-8":
-        if content.startswith(UTF16_MARKS):
-            raise RecordingError(
-                f"{source!r} is written in UTF-16.",
-                (source,),
-                'Give encoding="utf-16", or save it as UTF-8.',
-            )
-        encoding = "utf-8-sig"
-    try:
-        return content.decode(encoding)
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        raise RecordingError(
-            f"Line {line} of {source!r} has the byte {content[error.start]:#04x}, "
-            f"which is not {error.encoding.upper()} text.",
-            (source,),
-            'Save it as UTF-8, or give its encoding, as encoding="latin-1".',
-        ) from error
-    except LookupError as error:
-        raise RecordingError(
-            f"There is no encoding {encoding!r}.",
-            (encoding,),
-            "Write utf-8, utf-16 or latin-1.",
-        ) from error

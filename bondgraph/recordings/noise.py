@@ -135,6 +135,7 @@ def estimate_noise(time: ArrayLike, values: ArrayLike) -> NoiseEstimate:
     """
     t = np.asarray(time, dtype=np.float64)
     v = np.asarray(values, dtype=np.float64)
+    t, v = t[np.isfinite(v)], v[np.isfinite(v)]
     step = quantisation(v)
     floor = 0.0 if step is None else step / np.sqrt(12.0)
     orders = [k for k in ORDERS if v.size >= 4 * (k + 1)]
@@ -162,6 +163,7 @@ def saturation(values: ArrayLike) -> tuple[Saturation, ...]:
         Samples of one channel, in any unit.
     """
     v = np.asarray(values, dtype=np.float64)
+    v = v[np.isfinite(v)]
     if np.unique(v).size <= 2 * LEAST_LEVELS:
         return ()
     width = max(quantisation(v) or 0.0, 1e-3 * float(np.ptp(v)))
@@ -192,6 +194,8 @@ def outliers(time: ArrayLike, values: ArrayLike) -> NDArray[np.intp]:
         Samples of one channel, in any unit.
     """
     v = np.asarray(values, dtype=np.float64)
+    there = np.flatnonzero(np.isfinite(v))
+    v, time = v[there], np.asarray(time, dtype=np.float64)[there]
     if v.size < 4 * (ORDERS[0] + 1):
         return np.empty(0, dtype=np.intp)
     steps = np.diff(v)
@@ -203,7 +207,7 @@ def outliers(time: ArrayLike, values: ArrayLike) -> NDArray[np.intp]:
     isolated = (jump > max(8.0 * noise_std(time, v), 4.0 * usual)) & (
         jump > 4.0 * np.abs(v[2:] - v[:-2])
     )
-    return np.flatnonzero(isolated) + 1
+    return there[np.flatnonzero(isolated) + 1]
 
 
 def _flicker_step(values: FloatArray, gaps: FloatArray, blur: float) -> float | None:

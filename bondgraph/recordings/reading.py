@@ -6,14 +6,16 @@ The suffix of the path decides the kind of the file; nothing else is inferred.
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from bondgraph.errors import RecordingError, did_you_mean
+from bondgraph.errors import RecordingError
 from bondgraph.recordings.binary_tables import MatTable, ParquetTable
 from bondgraph.recordings.csv_table import CsvTable
+from bondgraph.recordings.files import check_file
+from bondgraph.recordings.hdf5_table import Hdf5Table, is_hdf5
 from bondgraph.recordings.recording import Recording
 from bondgraph.recordings.repairs import AbstractTable, Gaps, Order, Repeats
 from bondgraph.recordings.table import Choices, read_table
 
-SUFFIXES = (".csv", ".tsv", ".txt", ".parquet", ".mat")
+SUFFIXES = (".csv", ".tsv", ".txt", ".parquet", ".mat", ".h5", ".hdf5")
 
 
 def read_recording(
@@ -33,13 +35,17 @@ def read_recording(
     decimal: str = ".",
     encoding: str = "utf-8",
 ) -> Recording:
-    """Read a recording from CSV (.csv, .tsv, .txt), Parquet or MAT up to version 7.2.
+    """Read a recording from CSV (.csv, .tsv, .txt), Parquet, MAT or HDF5.
+
+    Only the channels asked for are read, and text never more than a block at a time.
 
     Parameters
     ----------
     path
         The file; its first line (CSV) or its columns' names (Parquet) are written
-        ``name [unit]``. A MAT file has no units: it needs a `mapping` with units.
+        ``name [unit]``. A MAT file has no units: it needs a `mapping` with units. A
+        dataset of an HDF5 file is named by its path, its unit is its attribute
+        ``units``.
     mapping
         Channel name to name in the file, with a unit where the file has none:
         ``{"time": "t [s]", "position": "qm [m]"}``. Columns that are not mentioned keep
@@ -57,7 +63,8 @@ def read_recording(
         True if the rows are independent operating points (``time=None`` means the
         same); a time column is then a channel like any other.
     gaps
-        ``"drop"`` drops rows with an empty, NaN or infinite cell and leaves a gap.
+        ``"drop"`` drops rows with an empty, NaN or infinite cell and leaves a gap;
+        ``"keep"`` keeps them, and those samples of those channels are unmeasured.
     order
         ``"sort"`` sorts the samples by time.
     repeats
@@ -73,7 +80,7 @@ def read_recording(
         If the file cannot be read or is not a recording: the message names the file,
         the channel, and the line or row.
     MissingExtraError
-        If the file is Parquet and pyarrow is not installed.
+        If the file is Parquet or HDF5 and pyarrow or h5py is not installed.
     """
     path = Path(path)
     choices = Choices(
@@ -95,50 +102,25 @@ def read_recording(
             (str(path),),
             f"Recordings end in {', '.join(SUFFIXES)}.",
         )
-    content = _content(path)
-    table: AbstractTable
+    check_file(path, SUFFIXES)
+    return read_table(_table(path, suffix, delimiter, decimal, encoding), choices)
+
+
+def _table(
+    path: Path, suffix: str, delimiter: str | None, decimal: str, encoding: str
+) -> AbstractTable:
     match suffix:
         case ".parquet":
-            table = ParquetTable(content, str(path))
+            return ParquetTable(path)
         case ".mat":
-            table = MatTable(content, str(path))
+            return Hdf5Table(path, matlab=True) if is_hdf5(path) else MatTable(path)
+        case ".h5" | ".hdf5":
+            return Hdf5Table(path)
         case _:
             between = "\t" if suffix == ".tsv" else ","
-            table = CsvTable(
-                content,
-                str(path),
+            return CsvTable(
+                path,
                 delimiter=between if delimiter is None else delimiter,
                 decimal=decimal,
                 encoding=encoding,
             )
-    return read_table(table, choices)
-
-
-def _content(path: Path) -> bytes:
-    """Return the bytes of the file, or refuse by name."""
-    try:
-        content = path.read_bytes()
-    except FileNotFoundError as error:
-        beside: list[str] = []
-        if path.parent.is_dir():
-            entries = (p.name for p in path.parent.iterdir())
-            beside = [n for n in entries if n.lower().endswith(SUFFIXES)][:20]
-        raise RecordingError(
-            f"There is no file {str(path)!r}.",
-            (str(path),),
-            did_you_mean(path.name, beside) if beside else "Check the path.",
-        ) from error
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise RecordingError(
-            f"{str(path)!r} cannot be opened ({reason}).",
-            (str(path),),
-            "Give a file that may be read.",
-        ) from error
-    if not content:
-        raise RecordingError(
-            f"{str(path)!r} is empty.",
-            (str(path),),
-            "Check that the recording was saved completely.",
-        )
-    return content

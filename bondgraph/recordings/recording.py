@@ -20,6 +20,7 @@ from bondgraph.recordings.names import join_header
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
 LEAST_SAMPLES = 8
 """A recording with fewer samples says nothing about dynamics."""
@@ -158,6 +159,35 @@ class Recording:
         columns |= {join_header(c.name, c.unit): c.values for c in self.channels}
         return pd.DataFrame({header: v.copy() for header, v in columns.items()})
 
+    def to_xarray(self) -> "xr.Dataset":
+        """Return a data set along ``time`` with units in ``attrs["units"]``.
+
+        The dimension of a steady recording is called ``row``.
+
+        Raises
+        ------
+        MissingExtraError
+            If xarray is not installed.
+        """
+        try:
+            import xarray as xr  # noqa: PLC0415
+        except ImportError as error:
+            raise MissingExtraError(
+                "A data set needs xarray.",
+                ("xarray",),
+                "Install bondgraph-workbench[data].",
+            ) from error
+        along = "row" if self.steady else "time"
+        time = (along, self.time.copy(), {"units": "s"})
+        return xr.Dataset(
+            {
+                c.name: (along, c.values.copy(), {"units": c.unit})
+                for c in self.channels
+            },
+            coords={} if self.steady else {along: time},
+            attrs={"name": self.name, "source": self.source},
+        )
+
     def __len__(self) -> int:
         return self.time.size
 
@@ -227,9 +257,7 @@ class Recording:
             self,
             name=self.name if name is None else name,
             time=self.time[chosen],
-            channels=tuple(
-                Channel(c.name, c.unit, c.values[chosen]) for c in self.channels
-            ),
+            channels=tuple(channel.at(chosen) for channel in self.channels),
         )
 
     def select(self, *names: str) -> "Recording":
@@ -260,6 +288,16 @@ class Recording:
             channels=tuple(new if c.name == name else c for c in self.channels),
         )
 
+    def shifted(self, seconds: float) -> "Recording":
+        """Return the recording with its clock set later by `seconds`."""
+        if self.steady:
+            raise RecordingError(
+                f"{self.name!r} is a steady table and has no clock.",
+                (self.name,),
+                "Shift recordings in time only.",
+            )
+        return replace(self, time=self.time + seconds)
+
     def __repr__(self) -> str:
         clock = "steady" if self.steady else f"{self.duration:.4g} s"
         names = ", ".join(f"{c.name} [{c.unit}]" for c in self.channels)
@@ -285,7 +323,7 @@ _STATISTICS = ("least", "mean", "greatest", "std")
 
 def _html_row(channel: Channel) -> str:
     v = channel.values
-    numbers = (v.min(), v.mean(), v.max(), v.std())
+    numbers = (np.nanmin(v), np.nanmean(v), np.nanmax(v), np.nanstd(v))
     cells = (channel.name, channel.unit, *(f"{number:.4g}" for number in numbers))
     return "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
 

@@ -5,7 +5,7 @@ a note when it is done: a recording that was mended says so.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from bondgraph.errors import RecordingError
 from bondgraph.recordings.channel import FloatArray
 
-Gaps = Literal["refuse", "drop"]
+Gaps = Literal["refuse", "drop", "keep"]
 Order = Literal["refuse", "sort"]
 Repeats = Literal["refuse", "first", "mean"]
 
@@ -41,6 +41,13 @@ class AbstractTable(ABC):
     @abstractmethod
     def columns(self, indices: Sequence[int]) -> list[FloatArray]:
         """Return the columns numbered `indices`; nan stands for an empty cell."""
+
+    def blocks(self, indices: Sequence[int]) -> Iterator[list[FloatArray]]:
+        """Yield the columns numbered `indices` in consecutive blocks of rows.
+
+        All at once where the kind of file has no pieces to be read by.
+        """
+        yield self.columns(indices)
 
     def row(self, i: int) -> str:
         """Return what row `i` of the columns is called in the file."""
@@ -79,19 +86,27 @@ class Samples:
         return self.table.row(int(self.rows[i]))
 
 
-def without_gaps(samples: Samples, names: Sequence[str], gaps: Gaps) -> Samples:
-    """Return the samples whose cells are all finite, or refuse the first gap."""
+def without_gaps(
+    samples: Samples, names: Sequence[str], gaps: Gaps, clock: str | None
+) -> Samples:
+    """Return the samples whose cells are all finite, or refuse the first gap.
+
+    Where gaps are kept, the clock must be finite all the same.
+    """
     table, keep = samples.table, np.ones(samples.rows.size, dtype=np.bool_)
     for name, column in zip(names, samples.columns, strict=True):
+        if gaps == "keep" and name != clock:
+            column[np.isinf(column)] = np.nan
+            continue
         bad = np.flatnonzero(~np.isfinite(column))
-        if bad.size and gaps == "refuse":
+        if bad.size and gaps != "drop":
             raise RecordingError(
                 f"Channel {name!r} of {table.source!r} is not a finite number in "
                 f"{bad.size} of {column.size} samples, first {column[bad[0]]} at "
                 f"{samples.where(int(bad[0]))}.",
                 (table.source, name),
-                'Drop those rows with gaps="drop", or leave the channel out with '
-                "channels=(...).",
+                'Drop those rows with gaps="drop", keep what else they hold with '
+                'gaps="keep", or leave the channel out with channels=(...).',
             )
         keep[bad] = False
     dropped = int(keep.size - keep.sum())

@@ -48,7 +48,7 @@ class Choices:
 
     def __post_init__(self) -> None:
         allowed = {
-            "gaps": ("refuse", "drop"),
+            "gaps": ("refuse", "drop", "keep"),
             "order": ("refuse", "sort"),
             "repeats": ("refuse", "first", "mean"),
         }
@@ -100,7 +100,8 @@ def read_table(table: AbstractTable, choices: Choices) -> Recording:
     steady = choices.rows_are_independent
     check_count(table.source, columns[0].size, steady=steady)
     samples = Samples(table, columns, np.arange(columns[0].size))
-    samples = without_gaps(samples, [w.name for w in wanted], choices.gaps)
+    names = [w.name for w in wanted]
+    samples = without_gaps(samples, names, choices.gaps, choices.clock)
     if choices.clock is not None:
         samples = samples.scaled(conversion(wanted[0].unit, "s")[0])
         samples = in_order(samples, choices.clock, choices.order)
@@ -116,7 +117,8 @@ def read_table(table: AbstractTable, choices: Choices) -> Recording:
         name=choices.name or table.source,
         time=time,
         channels=tuple(
-            Channel(w.name, w.unit, c) for w, c in zip(wanted, columns, strict=True)
+            Channel(w.name, w.unit, c, gaps=bool(np.isnan(c).any()))
+            for w, c in zip(wanted, columns, strict=True)
         ),
         source=table.source,
         sha256=table.sha256,
