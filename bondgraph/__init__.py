@@ -45,10 +45,13 @@ _HOME = {
         *("to_control", "transfer_function_to_control"),
     ),
     "bondgraph.recordings.reading": ("read_recording",),
-    "bondgraph.recordings.frames": ("from_pandas",),
+    "bondgraph.recordings.frames": ("from_pandas", "from_xarray"),
     "bondgraph.recordings.recording": ("Recording",),
     "bondgraph.recordings.binding": ("BoundRecording", "bind"),
     "bondgraph.recordings.model_channels": ("bind_to", "read_for"),
+    "bondgraph.recordings.clocks": ("ClockOffset", "clock_offset", "on_one_clock"),
+    "bondgraph.recordings.resampling": ("resample",),
+    "bondgraph.recordings.noise": ("NoiseEstimate", "estimate_noise"),
     "bondgraph.recordings.windows": ("split",),
     "bondgraph.simulation.solvers": ("Hold", "Sdirk2", "Sdirk3"),
     "bondgraph.fitting.horizon": (
@@ -391,11 +394,18 @@ if TYPE_CHECKING:
     )
     from bondgraph.recordings.binding import BoundRecording as BoundRecording
     from bondgraph.recordings.binding import bind as bind
+    from bondgraph.recordings.clocks import ClockOffset as ClockOffset
+    from bondgraph.recordings.clocks import clock_offset as clock_offset
+    from bondgraph.recordings.clocks import on_one_clock as on_one_clock
     from bondgraph.recordings.frames import from_pandas as from_pandas
+    from bondgraph.recordings.frames import from_xarray as from_xarray
     from bondgraph.recordings.model_channels import bind_to as bind_to
     from bondgraph.recordings.model_channels import read_for as read_for
+    from bondgraph.recordings.noise import NoiseEstimate as NoiseEstimate
+    from bondgraph.recordings.noise import estimate_noise as estimate_noise
     from bondgraph.recordings.reading import read_recording as read_recording
     from bondgraph.recordings.recording import Recording as Recording
+    from bondgraph.recordings.resampling import resample as resample
     from bondgraph.recordings.windows import split as split
     from bondgraph.reporting.diagnosis_json import (
         diagnosis_to_dict as diagnosis_to_dict,
