@@ -66,10 +66,10 @@ _OPTIONS = (
     ),
     click.option(
         "--gaps",
-        type=click.Choice(["refuse", "drop"]),
+        type=click.Choice(["refuse", "drop", "keep"]),
         default="refuse",
         show_default=True,
-        help="What to do with rows that have an empty or infinite cell.",
+        help="What to do with empty or infinite cells: drop the row, or keep the rest of it.",
     ),
     click.option(
         "--order",
