@@ -15,7 +15,8 @@ from bondgraph import GY, TF, BondGraph, C, FinishedGraph, I, R, Se, Sf, derive
 from bondgraph.numeric.model import NumericModel, compile_model
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.library import LIBRARY
-from bondgraph.physics.place import Place, Scales
+from bondgraph.physics.places.junction import JunctionPlace, junction_place
+from bondgraph.physics.places.scales import Scales
 from bondgraph.simulation.shooting import Shots, shoot
 from bondgraph.simulation.solvers import Hold, Sdirk2
 from bondgraph.structure.domains import DOMAINS
@@ -173,6 +174,10 @@ def scales_of(graph: FinishedGraph) -> Scales:
     return Scales(dict(zip((name for name, _ in probes), sizes.tolist(), strict=True)))
 
 
+def junctions(graph: FinishedGraph, scales: Scales) -> list[JunctionPlace]:
+    return [junction_place(graph, j.name, scales) for j in graph.junctions]
+
+
 SCALES = {name: scales_of(graph) for name, graph in MACHINES.items()}
 BASE = {name: outputs(graph) for name, graph in MACHINES.items()}
 CASES = [
@@ -180,7 +185,9 @@ CASES = [
     for name, graph in MACHINES.items()
     for junction in graph.junctions
     for physics in LIBRARY
-    for hypothesis in physics.propose(Place(graph, junction.name, SCALES[name]))
+    for hypothesis in physics.propose(
+        junction_place(graph, junction.name, SCALES[name])
+    )
 ]
 EDITED = [hypothesis.apply(MACHINES[name]) for name, _, hypothesis in CASES]
 
@@ -207,7 +214,9 @@ def words_at(graph: FinishedGraph) -> set[str]:
         hypothesis.physics
         for junction in graph.junctions
         for physics in LIBRARY
-        for hypothesis in physics.propose(Place(graph, junction.name, Scales()))
+        for hypothesis in physics.propose(
+            junction_place(graph, junction.name, Scales())
+        )
     }
 
 
@@ -303,7 +312,7 @@ def test_friction_never_gives_power(number):
         answer = function(x, *random.normal(size=(len(loads), 200))) + 0 * x
         assert np.isfinite(answer).all()
         assert (answer * x >= 0.0).all()
-        if start is not hypothesis.starts[0]:
+        if start not in hypothesis.silent_starts:
             assert float(function(1.0, *range(1, len(loads) + 1))) > 0.0
 
 
@@ -360,7 +369,9 @@ def _in_other_units(hypothesis, edited, port):
 def test_a_second_one_at_the_same_place_gets_a_name_of_its_own(number):
     name, physics, hypothesis = CASES[number]
     edited = EDITED[number]
-    for other in physics.propose(Place(edited, hypothesis.place, SCALES[name])):
+    for other in physics.propose(
+        junction_place(edited, hypothesis.place, SCALES[name])
+    ):
         if inserted(other):
             assert other.element not in edited.by_name
             assert not set(other.parameters) & set(edited.parameters)
@@ -391,7 +402,7 @@ def test_a_linear_element_with_a_free_value_is_not_proposed_again(word):
         g.parameter("own", 1.0, _linear_unit(kind, domain), std=std)
         g.parameter("J", 1.0, _linear_unit(I if word != "leak" else C, domain), std=0.0)
         graph = g.finish()
-        place = Place(graph, "axle", Scales())
+        place = junction_place(graph, "axle", Scales())
         assert place.has_free_linear(kind) is (std is None)
         return words_at(graph)
 
@@ -427,7 +438,7 @@ def test_a_fitted_constant_source_is_a_bias_already():
     bias = sympy.Symbol("bias")
 
     def state(graph):
-        return Place(graph, "cart", Scales()).has_free_bias, words_at(graph)
+        return junction_place(graph, "cart", Scales()).has_free_bias, words_at(graph)
 
     free, words = state(biased(bias))
     assert free
@@ -437,14 +448,14 @@ def test_a_fitted_constant_source_is_a_bias_already():
         assert not free
         assert {"constant_bias", "direction_dependent_friction"} <= words
     assert state(biased(bias, std=0.1))[0]
-    assert not Place(slider(), "carriage", Scales()).has_free_bias
+    assert not junction_place(slider(), "carriage", Scales()).has_free_bias
 
 
 def test_a_bias_that_was_inserted_is_not_proposed_twice():
     for name, physics, hypothesis in CASES:
         if hypothesis.physics == "constant_bias":
             edited = hypothesis.apply(MACHINES[name])
-            place = Place(edited, hypothesis.place, SCALES[name])
+            place = junction_place(edited, hypothesis.place, SCALES[name])
             assert place.has_free_bias
             assert not list(physics.propose(place))
 
@@ -468,7 +479,9 @@ def test_typical_sizes_that_are_unknown_or_zero_do_not_divide_by_zero():
         zero = Scales({f"flow({j.name})": 0.0 for j in graph.junctions})
         for junction in graph.junctions:
             for physics in LIBRARY:
-                for hypothesis in physics.propose(Place(graph, junction.name, zero)):
+                for hypothesis in physics.propose(
+                    junction_place(graph, junction.name, zero)
+                ):
                     numbers = [x for s in hypothesis.starts for x in s.values()]
                     exact = [p.value for p in hypothesis.edit.parameters if p.exact]
                     assert np.isfinite([*numbers, *exact]).all()

@@ -23,7 +23,7 @@ from bondgraph.fitting.levenberg_marquardt import (
 )
 from bondgraph.fitting.problem import FitProblem
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
-from bondgraph.physics.place import Place
+from bondgraph.physics.places.everywhere import all_places
 from bondgraph.structure.edits import InsertElement
 
 Array = NDArray[np.float64]
@@ -62,12 +62,11 @@ class Rejected:
 def propose_all(
     base: FittedModel, library: Sequence[AbstractPhysics]
 ) -> tuple[Hypothesis, ...]:
-    """Return every hypothesis of the library at every junction."""
+    """Return every hypothesis of the library at every place."""
     scales = measure_scales(base)
-    places = [Place(base.graph, j.name, scales) for j in base.graph.junctions]
     return tuple(
         hypothesis
-        for place in places
+        for place in all_places(base.graph, scales)
         for physics in library
         for hypothesis in physics.propose(place)
     )

@@ -18,7 +18,8 @@ from bondgraph.fitting.horizon import Horizon, cut
 from bondgraph.fitting.levenberg_marquardt import settle
 from bondgraph.fitting.problem import truncated_inverse
 from bondgraph.numeric.model import compile_model
-from bondgraph.physics.place import Place, Scales
+from bondgraph.physics.places.junction import junction_place
+from bondgraph.physics.places.scales import Scales
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.shooting import Shots, shoot
 from bondgraph.structure.domains import Quantity
@@ -180,7 +181,7 @@ def _local_means(
     """Return window means of the local variables, by quantity."""
     own = common_signal(junction)
     wanted = {own.quantity.value: own}
-    if Place(fitted.graph, junction.name, Scales()).displacement_known:
+    if junction_place(fitted.graph, junction.name, Scales()).displacement_known:
         wanted[Quantity.DISPLACEMENT.value] = displacement(junction.name)
     moved = replace(
         fitted,

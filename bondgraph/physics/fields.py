@@ -4,14 +4,12 @@ from collections.abc import Iterator
 
 import sympy
 
-from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
-from bondgraph.physics.place import E, F, Place, symbols
-from bondgraph.structure import signals
-from bondgraph.structure.domains import ROTATION, TRANSLATION, Quantity
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.places.base import E, F, P, Place, Q
+from bondgraph.physics.places.junction import OneJunctionPlace
+from bondgraph.structure.domains import ROTATION, TRANSLATION
 from bondgraph.structure.elements import Compliance, EffortSource, Inertance, Resistance
-from bondgraph.structure.signals import displacement
-
-Q = Quantity.DISPLACEMENT
+from bondgraph.structure.signals import displacement, f, q
 
 
 def restoring(place: Place, name: str, law: sympy.Expr) -> EffortSource:
@@ -20,9 +18,7 @@ def restoring(place: Place, name: str, law: sympy.Expr) -> EffortSource:
     A C would bring a displacement of its own, with an origin of its own; the effort has
     to read the one that the place already has.
     """
-    return EffortSource(
-        name, value=-law.xreplace({signals.q: displacement(place.name)})
-    )
+    return EffortSource(name, value=-law.xreplace({q: displacement(place.name)}))
 
 
 class QuadraticDrag(AbstractPhysics):
@@ -30,26 +26,19 @@ class QuadraticDrag(AbstractPhysics):
 
     word = "quadratic_drag"
     reference = "Newton's drag law; turbulent pressure loss"
+    passivity = Passivity.DISSIPATIVE
+    signature = "losses only at speed; taken for viscous friction over a narrow range"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at every 1-junction."""
-        if not place.is_one_junction:
+        if not isinstance(place, OneJunctionPlace):
             return
-        b = place.parameter("quadratic", place.unit(E, F, 2), low=0.0)
-        (coefficient,) = symbols(b)
-        law = coefficient * signals.f * sympy.Abs(signals.f)
-        name = place.name_of("quadratic_drag")
         some = 0.2 * place.effort / place.flow**2
-        yield Hypothesis(
-            physics=self.word,
-            place=place.name,
-            element=name,
-            edit=place.insert(Resistance(name, law=law), b),
-            law=law,
-            words=(f"{place.a(E)} that grows with the square of {place.domain.flow}"),
-            depends_on=("flow",),
-            starts=({b.name: 0.0}, {b.name: some}),
-        )
+        b = place.strength("quadratic", place.unit(E, F, 2), (0.0, some), low=0.0)
+        law = b.symbol * f * sympy.Abs(f)
+        element = Resistance(place.name_of(self.word), law=law)
+        words = f"{place.a(E)} that grows with the square of {place.domain.flow}"
+        yield self.hypothesis(place, place.insert(element, b), law, (b,), words)
 
 
 class ConstantBias(AbstractPhysics):
@@ -57,24 +46,17 @@ class ConstantBias(AbstractPhysics):
 
     word = "constant_bias"
     reference = "offset of an actuator, gravity along a straight path"
+    passivity = Passivity.SOURCE
+    signature = "the same error at rest and in motion; taken for a sensor's offset"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at 1-junctions that have no fitted constant source."""
-        if not place.is_one_junction or place.has_free_bias:
+        if not isinstance(place, OneJunctionPlace) or place.has_free_bias:
             return
-        b = place.parameter("bias", place.unit(E))
-        (size,) = symbols(b)
-        name = place.name_of("constant_bias")
-        yield Hypothesis(
-            physics=self.word,
-            place=place.name,
-            element=name,
-            edit=place.insert(EffortSource(name, value=size), b),
-            law=size,
-            words=f"a constant {place.domain.effort}",
-            depends_on=(),
-            starts=({b.name: 0.0},),
-        )
+        b = place.strength("bias", place.unit(E))
+        element = EffortSource(place.name_of(self.word), value=b.symbol)
+        words = f"a constant {place.domain.effort}"
+        yield self.hypothesis(place, place.insert(element, b), b.symbol, (b,), words)
 
 
 class Gravity(AbstractPhysics):
@@ -82,31 +64,22 @@ class Gravity(AbstractPhysics):
 
     word = "gravity"
     reference = "physical pendulum: m g l sin(q + q_0), both phases fitted"
+    passivity = Passivity.STORING
+    signature = "an effort periodic in the angle; a spring over small angles"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at rotating 1-junctions whose angle is known."""
-        if not place.is_one_junction or place.domain != ROTATION:
+        if not isinstance(place, OneJunctionPlace) or place.domain != ROTATION:
             return
         if not place.displacement_known:
             return
-        a = place.parameter("gravity_sine", place.unit(E))
-        b = place.parameter("gravity_cosine", place.unit(E))
-        sine, cosine = symbols(a, b)
-        law = sine * sympy.sin(signals.q) + cosine * sympy.cos(signals.q)
-        name = place.name_of("gravity")
-        yield Hypothesis(
-            physics=self.word,
-            place=place.name,
-            element=name,
-            edit=place.insert(restoring(place, name, law), a, b),
-            law=law,
-            words="the torque of a weight that turns with the shaft",
-            depends_on=("displacement",),
-            starts=(
-                {a.name: 0.0, b.name: 0.0},
-                {a.name: 0.3 * place.effort, b.name: 0.0},
-            ),
-        )
+        some = 0.3 * place.effort
+        a = place.strength("gravity_sine", place.unit(E), (0.0, some))
+        b = place.strength("gravity_cosine", place.unit(E))
+        law = a.symbol * sympy.sin(q) + b.symbol * sympy.cos(q)
+        element = restoring(place, place.name_of(self.word), law)
+        words = "the torque of a weight that turns with the shaft"
+        yield self.hypothesis(place, place.insert(element, a, b), law, (a, b), words)
 
 
 class Spring(AbstractPhysics):
@@ -114,32 +87,23 @@ class Spring(AbstractPhysics):
 
     word = "spring"
     reference = "Hooke's law"
+    passivity = Passivity.STORING
+    signature = "an effort that follows the displacement; gravity over small angles"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it where the displacement is known and no fitted linear C sits."""
-        if not place.is_one_junction or not place.displacement_known:
+        if not isinstance(place, OneJunctionPlace) or not place.displacement_known:
             return
         if place.has_free_linear(Compliance):
             return
-        k = place.parameter("stiffness", place.unit(E, Q), low=0.0)
-        offset = place.parameter("spring_offset", place.unit(E))
-        stiffness, rest = symbols(k, offset)
-        law = stiffness * signals.q + rest
-        name = place.name_of("spring")
         some = 0.2 * place.effort / place.displacement
-        yield Hypothesis(
-            physics=self.word,
-            place=place.name,
-            element=name,
-            edit=place.insert(restoring(place, name, law), k, offset),
-            law=law,
-            words=(f"{place.a(E)} proportional to {place.domain.displacement}"),
-            depends_on=("displacement",),
-            starts=(
-                {k.name: 0.0, offset.name: 0.0},
-                {k.name: some, offset.name: 0.0},
-            ),
-        )
+        k = place.strength("stiffness", place.unit(E, Q), (0.0, some), low=0.0)
+        rest = place.strength("spring_offset", place.unit(E))
+        law = k.symbol * q + rest.symbol
+        element = restoring(place, place.name_of(self.word), law)
+        edit = place.insert(element, k, rest)
+        words = f"{place.a(E)} proportional to {place.domain.displacement}"
+        yield self.hypothesis(place, edit, law, (k, rest), words)
 
 
 class HardeningSpring(AbstractPhysics):
@@ -147,28 +111,19 @@ class HardeningSpring(AbstractPhysics):
 
     word = "hardening_spring"
     reference = "Duffing 1918"
+    passivity = Passivity.STORING
+    signature = "resonance moves with amplitude; odd harmonics"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it where the displacement is known."""
-        if not place.is_one_junction or not place.displacement_known:
+        if not isinstance(place, OneJunctionPlace) or not place.displacement_known:
             return
-        k = place.parameter("cubic_stiffness", place.unit(E, Q, 3))
-        (stiffness,) = symbols(k)
-        law = stiffness * signals.q**3
-        name = place.name_of("hardening_spring")
         some = 0.2 * place.effort / place.displacement**3
-        yield Hypothesis(
-            physics=self.word,
-            place=place.name,
-            element=name,
-            edit=place.insert(restoring(place, name, law), k),
-            law=law,
-            words=(
-                f"{place.a(E)} that grows with the cube of {place.domain.displacement}"
-            ),
-            depends_on=("displacement",),
-            starts=({k.name: 0.0}, {k.name: some}),
-        )
+        k = place.strength("cubic_stiffness", place.unit(E, Q, 3), (0.0, some))
+        law = k.symbol * q**3
+        element = restoring(place, place.name_of(self.word), law)
+        words = f"{place.a(E)} that grows with the cube of {place.domain.displacement}"
+        yield self.hypothesis(place, place.insert(element, k), law, (k,), words)
 
 
 class AddedInertia(AbstractPhysics):
@@ -176,25 +131,26 @@ class AddedInertia(AbstractPhysics):
 
     word = "added_inertia"
     reference = "added mass; reflected inertia"
+    passivity = Passivity.STORING
+    signature = "slower and lower in frequency; taken for a smaller drive or compliance"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at mechanical 1-junctions without a freely fitted linear I."""
-        if not place.is_one_junction or place.domain not in (ROTATION, TRANSLATION):
+        if not isinstance(place, OneJunctionPlace):
+            return
+        if place.domain not in (ROTATION, TRANSLATION):
             return
         if place.has_free_linear(Inertance):
             return
-        momentum = Quantity.MOMENTUM
-        name = place.name_of("added_inertia")
-        inertia = place.parameter("added_inertia", place.unit(momentum, F), low=0.0)
-        (symbol,) = symbols(inertia)
-        some = 0.1 * place.scales.at(momentum, place.name, place.effort) / place.flow
-        yield Hypothesis(
-            physics=self.word,
-            place=place.name,
-            element=name,
-            edit=place.insert(Inertance(name), inertia),
-            law=symbol * signals.f,
-            words="inertia that moves along and is not in the model",
-            depends_on=("flow",),
-            starts=({inertia.name: 1e-3 * some}, {inertia.name: some}),
+        some = 0.1 * place.scales.at(P, place.name, place.effort) / place.flow
+        starts = (1e-3 * some, some)
+        inertia = place.shape("added_inertia", place.unit(P, F), starts, low=0.0)
+        element = Inertance(place.name_of(self.word))
+        words = "inertia that moves along and is not in the model"
+        yield self.hypothesis(
+            place,
+            place.insert(element, inertia),
+            inertia.symbol * f,
+            (inertia,),
+            words,
         )

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import sympy
 
-from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
-from bondgraph.physics.place import E, F, Place, symbols
-from bondgraph.structure import signals
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.places.base import Coefficient, E, F, Place
+from bondgraph.physics.places.junction import OneJunctionPlace
 from bondgraph.structure.elements import (
     EffortSource,
     FlowSource,
@@ -19,45 +19,37 @@ from bondgraph.structure.elements import (
     Resistance,
     Transformer,
 )
-from bondgraph.structure.parameters import Parameter
-from bondgraph.structure.signals import effort
+from bondgraph.structure.signals import effort, f
 
 REGULARISATION = 1 / 300
 
 
-def _direction(place: Place) -> tuple[sympy.Expr, Parameter]:
-    """Return the smooth sign of the flow and the parameter that smooths it."""
-    smooth = place.parameter(
-        "slip_flow", place.unit(F), exact=REGULARISATION * place.flow
-    )
-    (width,) = symbols(smooth)
-    return sympy.tanh(signals.f / width), smooth
+def direction(place: OneJunctionPlace) -> tuple[sympy.Expr, Coefficient]:
+    """Return the smooth sign of the flow and the coefficient that smooths it."""
+    width = place.constant("slip_flow", place.unit(F), REGULARISATION * place.flow)
+    return sympy.tanh(f / width.symbol), width
 
 
 class ViscousFriction(AbstractPhysics):
     """Effort proportional to flow."""
 
     word = "viscous_friction"
-    reference = "Newton's law of viscosity"
+    reference = "Newton's law of viscosity; Ohm's law; Hagen-Poiseuille"
+    passivity = Passivity.DISSIPATIVE
+    signature = "motion dies out faster the faster it is; taken for a larger resistance"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it where no fitted linear R sits already."""
-        if not place.is_one_junction or place.has_free_linear(Resistance):
+        if not isinstance(place, OneJunctionPlace):
             return
-        b = place.parameter("viscous", place.unit(E, F), low=0.0)
-        (coefficient,) = symbols(b)
-        law = coefficient * signals.f
-        name = place.name_of("viscous_friction")
-        yield Hypothesis(
-            physics=self.word,
-            place=place.name,
-            element=name,
-            edit=place.insert(Resistance(name, law=law), b),
-            law=law,
-            words=f"{place.a(E)} proportional to {place.domain.flow}",
-            depends_on=("flow",),
-            starts=({b.name: 0.0}, {b.name: 0.2 * place.effort / place.flow}),
-        )
+        if place.has_free_linear(Resistance):
+            return
+        some = 0.2 * place.effort / place.flow
+        b = place.strength("viscous", place.unit(E, F), (0.0, some), low=0.0)
+        law = b.symbol * f
+        element = Resistance(place.name_of(self.word), law=law)
+        words = f"{place.a(E)} proportional to {place.domain.flow}"
+        yield self.hypothesis(place, place.insert(element, b), law, (b,), words)
 
 
 class CoulombFriction(AbstractPhysics):
@@ -65,26 +57,23 @@ class CoulombFriction(AbstractPhysics):
 
     word = "coulomb_friction"
     reference = "Coulomb 1785; Armstrong-Hélouvry et al., Automatica 30, 1994"
+    passivity = Passivity.DISSIPATIVE
+    signature = (
+        "an effort that jumps where the flow turns; taken for Stribeck friction where "
+        "the recovered signal is smooth, and for load-dependent friction at one load"
+    )
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at every 1-junction."""
-        if not place.is_one_junction:
+        if not isinstance(place, OneJunctionPlace):
             return
-        c = place.parameter("coulomb", place.unit(E), low=0.0)
-        direction, smooth = _direction(place)
-        (size,) = symbols(c)
-        law = size * direction
-        name = place.name_of("coulomb_friction")
-        yield Hypothesis(
-            physics=self.word,
-            place=place.name,
-            element=name,
-            edit=place.insert(Resistance(name, law=law), c, smooth),
-            law=law,
-            words=f"{place.a(E)} of constant size against the motion",
-            depends_on=("flow",),
-            starts=({c.name: 0.0}, {c.name: 0.3 * place.effort}),
-        )
+        some = 0.3 * place.effort
+        c = place.strength("coulomb", place.unit(E), (0.0, some), low=0.0)
+        sign, width = direction(place)
+        law = c.symbol * sign
+        edit = place.insert(Resistance(place.name_of(self.word), law=law), c, width)
+        words = f"{place.a(E)} of constant size against the motion"
+        yield self.hypothesis(place, edit, law, (c, width), words)
 
 
 class DirectionDependentFriction(AbstractPhysics):
@@ -92,36 +81,32 @@ class DirectionDependentFriction(AbstractPhysics):
 
     word = "direction_dependent_friction"
     reference = "Armstrong-Hélouvry et al., Automatica 30, 1994, section 2"
+    passivity = Passivity.DISSIPATIVE
+    signature = "Coulomb friction beside a constant bias, which in motion is the same"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it where no fitted constant source sits.
 
         Beside one it says nothing of its own: in motion the two are the same.
         """
-        if not place.is_one_junction or place.has_free_bias:
+        if not isinstance(place, OneJunctionPlace) or place.has_free_bias:
             return
-        c = place.parameter("coulomb", place.unit(E), low=0.0)
-        difference = place.parameter("coulomb_difference", place.unit(E))
-        direction, smooth = _direction(place)
-        size, half = symbols(c, difference)
-        law = size * direction + half * sympy.Abs(direction)
-        name = place.name_of("direction_dependent_friction")
         some = 0.3 * place.effort
-        yield Hypothesis(
-            physics=self.word,
-            place=place.name,
-            element=name,
-            edit=place.insert(Resistance(name, law=law), c, difference, smooth),
-            law=law,
-            words=(
-                f"{place.a(E)} against the motion, larger in one direction "
-                "than in the other"
-            ),
-            depends_on=("flow",),
-            starts=(
-                {c.name: 0.0, difference.name: 0.0},
-                {c.name: some, difference.name: 0.0},
-            ),
+        c = place.strength("coulomb", place.unit(E), (0.0, some), low=0.0)
+        half = place.strength("coulomb_difference", place.unit(E))
+        sign, width = direction(place)
+        law = c.symbol * sign + half.symbol * sympy.Abs(sign)
+        element = Resistance(place.name_of(self.word), law=law)
+        words = (
+            f"{place.a(E)} against the motion, larger in one direction "
+            "than in the other"
+        )
+        yield self.hypothesis(
+            place,
+            place.insert(element, c, half, width),
+            law,
+            (c, half, width),
+            words,
             extends=("coulomb_friction",),
         )
 
@@ -131,31 +116,32 @@ class StribeckFriction(AbstractPhysics):
 
     word = "stribeck_friction"
     reference = "Stribeck 1902; Armstrong-Hélouvry et al., Automatica 30, 1994, eq. 3"
+    passivity = Passivity.DISSIPATIVE
+    signature = (
+        "an effort largest just after the flow turns, stick-slip at low speed; taken "
+        "for Coulomb friction where the flow is rarely small"
+    )
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at every 1-junction."""
-        if not place.is_one_junction:
+        if not isinstance(place, OneJunctionPlace):
             return
-        c = place.parameter("coulomb", place.unit(E), low=0.0)
-        rise = place.parameter("stribeck_rise", place.unit(E), low=0.0)
-        at = place.parameter("stribeck_flow", place.unit(F), low=0.02 * place.flow)
-        direction, smooth = _direction(place)
-        size, extra, width = symbols(c, rise, at)
-        law = (size + extra * sympy.exp(-((signals.f / width) ** 2))) * direction
-        name = place.name_of("stribeck_friction")
-        some = 0.3 * place.effort
-        yield Hypothesis(
-            physics=self.word,
-            place=place.name,
-            element=name,
-            edit=place.insert(Resistance(name, law=law), c, rise, at, smooth),
-            law=law,
-            words=f"{place.a(E)} against the motion that falls with speed",
-            depends_on=("flow",),
-            starts=tuple(
-                {c.name: size, rise.name: size, at.name: share * place.flow}
-                for share, size in ((0.1, 0.0), (0.1, some), (0.4, some))
-            ),
+        some, speed = 0.3 * place.effort, place.flow
+        sizes = (0.0, 0.0, some, some)
+        c = place.strength("coulomb", place.unit(E), sizes, low=0.0)
+        rise = place.strength("stribeck_rise", place.unit(E), sizes, low=0.0)
+        speeds = (0.1 * speed, 0.4 * speed, 0.1 * speed, 0.4 * speed)
+        at = place.shape("stribeck_flow", place.unit(F), speeds, low=0.02 * speed)
+        sign, width = direction(place)
+        fading = sympy.exp(-((f / at.symbol) ** 2))
+        law = (c.symbol + rise.symbol * fading) * sign
+        element = Resistance(place.name_of(self.word), law=law)
+        yield self.hypothesis(
+            place,
+            place.insert(element, c, rise, at, width),
+            law,
+            (c, rise, at, width),
+            f"{place.a(E)} against the motion that falls with speed",
             extends=("coulomb_friction",),
         )
 
@@ -165,45 +151,44 @@ class LoadDependentFriction(AbstractPhysics):
 
     word = "load_dependent_friction"
     reference = "Amontons' law; Duclusaud et al., ICRA 2025 (arXiv 2410.08650)"
+    passivity = Passivity.DISSIPATIVE
+    signature = (
+        "dry friction that grows with what is carried; at one load it is Coulomb "
+        "friction"
+    )
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield two per load at a 1-junction: without and with a constant part."""
-        if not place.is_one_junction:
+        if not isinstance(place, OneJunctionPlace):
             return
         for load in _loads(place):
             yield self._law(place, load, constant=False)
             yield self._law(place, load, constant=True)
 
-    def _law(self, place: Place, load: "_Load", *, constant: bool) -> Hypothesis:
-        mu = place.parameter("mu", "1", low=0.0)
-        c = place.parameter("coulomb", place.unit(E), low=0.0)
-        direction, smooth = _direction(place)
-        coefficient, size = symbols(mu, c)
-        name = place.name_of("load_dependent_friction")
+    def _law(
+        self, place: OneJunctionPlace, load: "_Load", *, constant: bool
+    ) -> Hypothesis:
+        some = 0.3 * place.effort
+        start = (0.0, 0.0, 0.2) if constant else (0.0, 0.1, 0.3)
+        mu = place.strength("mu", "1", start, low=0.0)
+        c = place.strength("coulomb", place.unit(E), (0.0, some, some), low=0.0)
+        sign, width = direction(place)
+        name = place.name_of(self.word)
         carried = (
             effort(load.bond) - effort(name) if load.less_own else effort(load.bond)
         )
-        proportional = coefficient * sympy.Abs(carried)
-        law = (size + proportional if constant else proportional) * direction
-        constants: dict[str, float] = {c.name: 0.3 * place.effort} if constant else {}
-        parameters = (mu, c, smooth) if constant else (mu, smooth)
+        pressed = mu.symbol * sympy.Abs(carried)
+        law = (c.symbol + pressed if constant else pressed) * sign
+        coefficients = (mu, c, width) if constant else (mu, width)
         passed = "passed on from" if load.less_own else "transmitted through"
-        return Hypothesis(
-            physics=self.word,
-            place=place.name,
-            element=name,
-            edit=place.insert(Resistance(name, law=law), *parameters),
-            law=law,
-            words=(
-                f"{place.a(E)} against the motion that "
-                f"{'has a constant part and ' if constant else ''}grows with the "
-                f"{place.domain.effort} {passed} {load.bond}"
-            ),
-            depends_on=("flow", f"effort({load.bond})"),
-            starts=tuple(
-                {mu.name: value, **constants}
-                for value in ((0.0, 0.2) if constant else (0.0, 0.1, 0.3))
-            ),
+        return self.hypothesis(
+            place,
+            place.insert(Resistance(name, law=law), *coefficients),
+            law,
+            coefficients,
+            f"{place.a(E)} against the motion that "
+            f"{'has a constant part and ' if constant else ''}grows with the "
+            f"{place.domain.effort} {passed} {load.bond}",
             extends=("coulomb_friction",) if constant else (),
         )
 
@@ -216,7 +201,7 @@ class _Load:
     less_own: bool = False
 
 
-def _loads(place: Place) -> tuple[_Load, ...]:
+def _loads(place: OneJunctionPlace) -> tuple[_Load, ...]:
     """Return at most two efforts that may load the contact.
 
     What a two-port carries on comes first; where the chain ends, what arrives less the

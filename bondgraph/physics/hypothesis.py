@@ -3,12 +3,23 @@
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 
 import sympy
 
-from bondgraph.physics.place import Place
+from bondgraph.physics.places.base import Coefficient, Place
 from bondgraph.structure.edits import GraphEdit
 from bondgraph.structure.graph import FinishedGraph
+from bondgraph.structure.signals import e, f, p, q, signals_in
+
+
+class Passivity(StrEnum):
+    """What a piece of physics may do with power; the value is the sentence."""
+
+    DISSIPATIVE = "It only takes power out."
+    STORING = "It stores power and gives it back."
+    SOURCE = "It may give power."
+    SIGNAL = "It carries no power: it changes what is commanded or read."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -20,7 +31,7 @@ class Hypothesis:
     physics
         The word for it, from the vocabulary.
     place
-        The junction, input or measurement it sits at.
+        The junction, element, input or output it sits at, by its name.
     element
         The name of what the edit adds or changes.
     edit
@@ -35,6 +46,10 @@ class Hypothesis:
         Start values of its new parameters; the first is that of weakest effect.
     extends
         Physics words of which this law is a superset at the same place.
+    strengths
+        The parameters at whose 0 it has no effect, whatever the others are.
+    also
+        Other names of the same place in the user's model.
     """
 
     physics: str
@@ -46,11 +61,24 @@ class Hypothesis:
     depends_on: tuple[str, ...]
     starts: tuple[Mapping[str, float], ...]
     extends: tuple[str, ...] = ()
+    strengths: tuple[str, ...] = ()
+    also: tuple[str, ...] = ()
 
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of the parameters it adds and that are fitted."""
         return tuple(p.name for p in self.edit.parameters if not p.exact)
+
+    @property
+    def silent_starts(self) -> tuple[Mapping[str, float], ...]:
+        """The starts that leave the base model as it is, whose slopes tell promise."""
+        if not self.strengths:
+            return self.starts[:1] if self.edit.nested else ()
+        return tuple(
+            start
+            for start in self.starts
+            if all(start.get(name, 0.0) == 0.0 for name in self.strengths)
+        )
 
     def apply(self, graph: FinishedGraph) -> FinishedGraph:
         """Return the graph with the physics inserted."""
@@ -60,12 +88,69 @@ class Hypothesis:
 class AbstractPhysics(ABC):
     """One entry of the library; subclass it to add your own.
 
-    ``word`` is the name in results, ``reference`` where the law comes from.
+    ``word`` is the name in results, ``reference`` where the law comes from,
+    ``passivity`` what it may do with power, and ``signature`` what it looks like in
+    recordings and what it is easily taken for.
     """
 
     word: str
     reference: str
+    passivity: Passivity = Passivity.SOURCE
+    signature: str = ""
 
     @abstractmethod
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield the hypotheses of this physics at `place`; none where it cannot sit."""
+
+    def hypothesis(
+        self,
+        place: Place,
+        edit: GraphEdit,
+        law: sympy.Expr,
+        coefficients: tuple[Coefficient, ...],
+        words: str,
+        *,
+        extends: tuple[str, ...] = (),
+    ) -> Hypothesis:
+        """Return the hypothesis that this physics is missing at `place`.
+
+        Parameters
+        ----------
+        edit, law, words
+            What it does to the graph, the relation, and a sentence without numbers.
+        coefficients
+            Those that the law uses, with the values their fits start from.
+        """
+        return Hypothesis(
+            physics=self.word,
+            place=place.name,
+            element=edit.subject,
+            edit=edit,
+            law=law,
+            words=words,
+            depends_on=_arguments(law, edit.subject),
+            starts=_starts(coefficients),
+            extends=extends,
+            strengths=tuple(c.name for c in coefficients if c.strength),
+            also=place.also,
+        )
+
+
+_WORDS = {f: "flow", e: "effort", q: "displacement", p: "momentum"}
+
+
+def _arguments(law: sympy.Expr, own: str) -> tuple[str, ...]:
+    """Return the local variables of a law, and the signals it reads elsewhere."""
+    here = (word for symbol, word in _WORDS.items() if symbol in law.free_symbols)
+    there = (signal.name for signal in signals_in(law) if signal.place != own)
+    return (*here, *there)
+
+
+def _starts(coefficients: tuple[Coefficient, ...]) -> tuple[Mapping[str, float], ...]:
+    """Return the first values of all coefficients, the second, and so on."""
+    fitted = [c for c in coefficients if c.starts]
+    count = max((len(c.starts) for c in fitted), default=1)
+    return tuple(
+        {c.name: c.starts[min(i, len(c.starts) - 1)] for c in fitted}
+        for i in range(count)
+    )

@@ -4,13 +4,17 @@ from collections.abc import Iterator
 
 import sympy
 
-from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
-from bondgraph.physics.place import E, F, Place, symbols
-from bondgraph.structure import signals
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.places.base import Coefficient, E, F, Place
+from bondgraph.physics.places.junction import (
+    JunctionPlace,
+    OneJunctionPlace,
+    ZeroJunctionPlace,
+)
 from bondgraph.structure.domains import ANALOGUE, HYDRAULIC
 from bondgraph.structure.edits import ReplaceRelation
 from bondgraph.structure.elements import FlowSource, Resistance
-from bondgraph.structure.parameters import Parameter
+from bondgraph.structure.signals import e, f
 
 
 class Leak(AbstractPhysics):
@@ -18,25 +22,21 @@ class Leak(AbstractPhysics):
 
     word = "leak"
     reference = "laminar leakage; insulation resistance; heat loss"
+    passivity = Passivity.DISSIPATIVE
+    signature = "a stock that empties by itself; taken for a smaller source"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at 0-junctions without a freely fitted linear R."""
-        if not place.is_zero_junction or place.has_free_linear(Resistance):
+        if not isinstance(place, ZeroJunctionPlace):
             return
-        g = place.parameter("leak", place.unit(F, E), low=0.0)
-        (conductance,) = symbols(g)
-        law = conductance * signals.e
-        name = place.name_of("leak")
-        yield Hypothesis(
-            physics=self.word,
-            place=place.name,
-            element=name,
-            edit=place.insert(Resistance(name, law=law), g),
-            law=law,
-            words=f"{place.a(F)} lost in proportion to {place.domain.effort}",
-            depends_on=("effort",),
-            starts=({g.name: 0.0}, {g.name: 0.2 * place.flow / place.effort}),
-        )
+        if place.has_free_linear(Resistance):
+            return
+        some = 0.2 * place.flow / place.effort
+        g = place.strength("leak", place.unit(F, E), (0.0, some), low=0.0)
+        law = g.symbol * e
+        element = Resistance(place.name_of(self.word), law=law)
+        words = f"{place.a(F)} lost in proportion to {place.domain.effort}"
+        yield self.hypothesis(place, place.insert(element, g), law, (g,), words)
 
 
 class SquareRootOrifice(AbstractPhysics):
@@ -44,26 +44,20 @@ class SquareRootOrifice(AbstractPhysics):
 
     word = "square_root_orifice"
     reference = "Torricelli 1643"
+    passivity = Passivity.DISSIPATIVE
+    signature = "a stock that empties in a parabola and to the end in finite time"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at 0-junctions; smooth within 0.1 % of the typical effort."""
-        if not place.is_zero_junction:
+        if not isinstance(place, ZeroJunctionPlace):
             return
-        k = place.parameter("orifice", place.unit(F), low=0.0)
-        at = place.parameter("orifice_effort", place.unit(E), exact=place.effort)
-        coefficient, typical = symbols(k, at)
-        law = coefficient * _smooth_root(signals.e / typical)
-        name = place.name_of("square_root_orifice")
-        yield Hypothesis(
-            physics=self.word,
-            place=place.name,
-            element=name,
-            edit=place.insert(Resistance(name, law=law), k, at),
-            law=law,
-            words=f"{place.a(F)} lost with the root of {place.domain.effort}",
-            depends_on=("effort",),
-            starts=({k.name: 0.0}, {k.name: 0.3 * place.flow}),
-        )
+        k = place.strength("orifice", place.unit(F), (0.0, 0.3 * place.flow), low=0.0)
+        at = place.constant("orifice_effort", place.unit(E), place.effort)
+        law = k.symbol * _smooth_root(e / at.symbol)
+        element = Resistance(place.name_of(self.word), law=law)
+        words = f"{place.a(F)} lost with the root of {place.domain.effort}"
+        edit = place.insert(element, k, at)
+        yield self.hypothesis(place, edit, law, (k, at), words)
 
 
 class SquareLaw(AbstractPhysics):
@@ -75,49 +69,44 @@ class SquareLaw(AbstractPhysics):
 
     word = "square_root_orifice"
     reference = "Torricelli 1643; turbulent pressure loss"
+    passivity = Passivity.DISSIPATIVE
+    signature = "a resistance that seems smaller the less flows"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it for every fitted linear R of a hydraulic or analogue junction."""
-        graph = place.graph
+        if not isinstance(place, JunctionPlace):
+            return
         if place.domain not in (HYDRAULIC, ANALOGUE):
             return
+        graph = place.graph
         for bond in graph.bonds_at(place.name):
             node = graph.node(bond.other(place.name))
             linear = isinstance(node, Resistance) and node.law is None
             if linear and not graph.parameters[node.name].exact:
                 yield self._replaced(place, node.name)
 
-    def _replaced(self, place: Place, resistance: str) -> Hypothesis:
+    def _replaced(self, place: JunctionPlace, resistance: str) -> Hypothesis:
         """Write the law in the variable that the junction gives."""
         linear = place.graph.parameters[resistance].value or 1.0
-        if place.is_one_junction:
-            k = place.parameter(f"{resistance}_square", place.unit(E, F, 2), low=0.0)
-            (coefficient,) = symbols(k)
-            law = coefficient * signals.f * sympy.Abs(signals.f)
-            start = linear / place.flow
-            parameters: tuple[Parameter, ...] = (k,)
+        if isinstance(place, OneJunctionPlace):
+            start = (linear / place.flow,)
+            unit = place.unit(E, F, 2)
+            k = place.shape(f"{resistance}_square", unit, start, low=0.0)
+            law = k.symbol * f * sympy.Abs(f)
+            coefficients: tuple[Coefficient, ...] = (k,)
         else:
-            k = place.parameter(f"{resistance}_flow", place.unit(F), low=0.0)
-            at = place.parameter(
-                f"{resistance}_effort", place.unit(E), exact=place.effort
-            )
-            coefficient, typical = symbols(k, at)
-            law = coefficient * _smooth_root(signals.e / typical)
-            start = place.effort / linear
-            parameters = (k, at)
-        return Hypothesis(
-            physics=self.word,
-            place=place.name,
-            element=resistance,
-            edit=ReplaceRelation(resistance, law, parameters),
-            law=law,
-            words=(
-                f"{resistance} passes {place.a(F)} that grows with the root of "
-                f"{place.domain.effort}, not in proportion to it"
-            ),
-            depends_on=("effort",),
-            starts=({k.name: start},),
+            start = (place.effort / linear,)
+            k = place.shape(f"{resistance}_flow", place.unit(F), start, low=0.0)
+            at = place.constant(f"{resistance}_effort", place.unit(E), place.effort)
+            law = k.symbol * _smooth_root(e / at.symbol)
+            coefficients = (k, at)
+        parameters = tuple(c.parameter for c in coefficients)
+        words = (
+            f"{resistance} passes {place.a(F)} that grows with the root of "
+            f"{place.domain.effort}, not in proportion to it"
         )
+        edit = ReplaceRelation(resistance, law, parameters)
+        return self.hypothesis(place, edit, law, coefficients, words)
 
 
 def _smooth_root(x: sympy.Expr) -> sympy.Expr:
@@ -130,21 +119,14 @@ class ConstantFlow(AbstractPhysics):
 
     word = "constant_bias"
     reference = "offset of a source; ambient gain"
+    passivity = Passivity.SOURCE
+    signature = "a stock that drifts by itself"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at 0-junctions that have no fitted constant source."""
-        if not place.is_zero_junction or place.has_free_bias:
+        if not isinstance(place, ZeroJunctionPlace) or place.has_free_bias:
             return
-        b = place.parameter("bias", place.unit(F))
-        (size,) = symbols(b)
-        name = place.name_of("constant_bias")
-        yield Hypothesis(
-            physics=self.word,
-            place=place.name,
-            element=name,
-            edit=place.insert(FlowSource(name, value=size), b),
-            law=size,
-            words=f"a constant {place.domain.flow}",
-            depends_on=(),
-            starts=({b.name: 0.0},),
-        )
+        b = place.strength("bias", place.unit(F))
+        element = FlowSource(place.name_of(self.word), value=b.symbol)
+        words = f"a constant {place.domain.flow}"
+        yield self.hypothesis(place, place.insert(element, b), b.symbol, (b,), words)

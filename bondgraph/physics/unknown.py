@@ -12,11 +12,11 @@ import sympy
 
 from bondgraph.physics.fields import restoring
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
-from bondgraph.physics.place import E, F, Place, symbols
-from bondgraph.structure import signals
+from bondgraph.physics.places.base import Coefficient, E, F, Place, Q
+from bondgraph.physics.places.junction import JunctionPlace, OneJunctionPlace
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.elements import OnePort, Resistance
-from bondgraph.structure.parameters import Parameter
+from bondgraph.structure.signals import e, f, q
 
 KNOTS = (-2.0, -1.0, -0.3, -0.03, 0.03, 0.3, 1.0, 2.0)
 """Knots of a law of flow, in typical flows; close about zero, where friction turns."""
@@ -30,59 +30,49 @@ class UnknownRelation(AbstractPhysics):
 
     word = "unknown_relation"
     reference = "piecewise linear interpolation"
+    signature = "whatever no named law gives"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield a curve of each local variable of a junction."""
-        if place.is_one_junction:
-            yield self._curve(place, signals.f, F, place.flow, KNOTS)
+        if isinstance(place, OneJunctionPlace):
+            yield self._curve(place, f, F, place.flow, KNOTS)
             if place.displacement_known:
-                quantity = Quantity.DISPLACEMENT
-                size = place.displacement
-                yield self._curve(place, signals.q, quantity, size, EVEN_KNOTS)
-        else:
-            yield self._curve(place, signals.e, E, place.effort, EVEN_KNOTS)
+                yield self._curve(place, q, Q, place.displacement, EVEN_KNOTS)
+        elif isinstance(place, JunctionPlace):
+            yield self._curve(place, e, E, place.effort, EVEN_KNOTS)
 
     def _curve(
         self,
-        place: Place,
+        place: JunctionPlace,
         variable: sympy.Symbol,
         quantity: Quantity,
         size: float,
         knots: tuple[float, ...],
     ) -> Hypothesis:
-        answer = E if place.is_one_junction else F
-        width = place.parameter(f"curve_{quantity}", place.unit(quantity), exact=size)
-        heights = [
-            place.parameter(f"curve_{i}", place.unit(answer)) for i in range(len(knots))
-        ]
-        (scale,) = symbols(width)
-        law = _interpolation(variable / scale, knots, heights)
+        answer = E if isinstance(place, OneJunctionPlace) else F
+        width = place.constant(f"curve_{quantity}", place.unit(quantity), size)
+        unit = place.unit(answer)
+        heights = tuple(place.strength(f"curve_{i}", unit) for i in range(len(knots)))
+        law = _interpolation(variable / width.symbol, knots, heights)
         name = place.name_of(f"unknown_{quantity}")
         element: OnePort
-        if quantity is Quantity.DISPLACEMENT:
+        if quantity is Q:
             element = restoring(place, name, law)
         else:
             element = Resistance(name, law=law)
-        return Hypothesis(
-            physics=self.word,
-            place=place.name,
-            element=name,
-            edit=place.insert(element, *heights, width),
-            law=law,
-            words=(
-                f"{place.a(answer)} that is an unnamed function of "
-                f"{place.domain.word(quantity)}"
-            ),
-            depends_on=(quantity.value,),
-            starts=({height.name: 0.0 for height in heights},),
+        words = (
+            f"{place.a(answer)} that is an unnamed function of "
+            f"{place.domain.word(quantity)}"
         )
+        edit = place.insert(element, *heights, width)
+        return self.hypothesis(place, edit, law, heights, words)
 
 
 def _interpolation(
-    x: sympy.Expr, knots: tuple[float, ...], heights: list[Parameter]
+    x: sympy.Expr, knots: tuple[float, ...], heights: tuple[Coefficient, ...]
 ) -> sympy.Expr:
     """Return the broken line through (knot, height), constant beyond the ends."""
-    values = symbols(*heights)
+    values = [height.symbol for height in heights]
     law = values[0]
     for (low, high), (a, b) in zip(pairwise(knots), pairwise(values), strict=True):
         share = sympy.Min(sympy.Max((x - low) / (high - low), 0), 1)

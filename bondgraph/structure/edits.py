@@ -64,6 +64,16 @@ class InsertElement:
         """Return the edit in words."""
         return f"one {letter(self.element)} added at {self.junction}"
 
+    @property
+    def subject(self) -> str:
+        """The name of what it adds or changes."""
+        return self.element.name
+
+    @property
+    def nested(self) -> bool:
+        """Whether the first values of its parameters give the graph before."""
+        return True
+
 
 @dataclass(frozen=True, slots=True)
 class ReplaceRelation:
@@ -89,6 +99,16 @@ class ReplaceRelation:
     def describe(self) -> str:
         """Return the edit in words."""
         return f"the law of {self.element} replaced by {self.law}"
+
+    @property
+    def subject(self) -> str:
+        """The name of what it adds or changes."""
+        return self.element
+
+    @property
+    def nested(self) -> bool:
+        """Whether the first values of its parameters give the graph before."""
+        return False
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +139,16 @@ class ReplaceMeasurement:
     def describe(self) -> str:
         """Return the edit in words."""
         return f"sensor {self.measurement} reads {self.expression}"
+
+    @property
+    def subject(self) -> str:
+        """The name of what it adds or changes."""
+        return self.measurement
+
+    @property
+    def nested(self) -> bool:
+        """Whether the first values of its parameters give the graph before."""
+        return False
 
 
 GraphEdit = InsertElement | ReplaceRelation | ReplaceMeasurement

@@ -1,0 +1,76 @@
+"""All places of a graph, in the author's order."""
+
+from collections.abc import Iterator
+
+from bondgraph.physics.places.base import Place
+from bondgraph.physics.places.bond import BondPlace
+from bondgraph.physics.places.channels import InputPlace, OutputPlace
+from bondgraph.physics.places.element import ElementPlace
+from bondgraph.physics.places.junction import junction_place
+from bondgraph.physics.places.scales import Scales
+from bondgraph.structure.elements import (
+    FlowSource,
+    Inertance,
+    OneJunction,
+    Source,
+    Transformer,
+)
+from bondgraph.structure.graph import Bond, FinishedGraph
+from bondgraph.structure.nodes import WithLaw
+
+
+def all_places(graph: FinishedGraph, scales: Scales) -> tuple[Place, ...]:
+    """Return every place of `graph` where physics may have been left out.
+
+    Parameters
+    ----------
+    graph
+        The model; every place knows it.
+    scales
+        Typical sizes of its signals, for start values.
+    """
+    return (
+        *(junction_place(graph, junction.name, scales) for junction in graph.junctions),
+        *_bonds(graph, scales),
+        *(
+            ElementPlace(graph, node.name, scales)
+            for node in graph.elements
+            if isinstance(node, WithLaw)
+        ),
+        *(InputPlace(graph, source.name, scales) for source in graph.inputs),
+        *(OutputPlace(graph, m.name, scales) for m in graph.measurements),
+    )
+
+
+def _bonds(graph: FinishedGraph, scales: Scales) -> Iterator[BondPlace]:
+    """Yield the bonds that tie two motions together: of rods, shafts, gears, rollers.
+
+    What hangs on a 0-junction is tied by an effort, and gives way there already.
+    """
+    for bond in graph.bonds:
+        name = _name_of(graph, bond)
+        if name is not None:
+            yield BondPlace(graph, name, scales, bond)
+
+
+def _name_of(graph: FinishedGraph, bond: Bond) -> str | None:
+    """Return what the user calls a bond that may be split, None for others."""
+    tail, head = graph.node(bond.tail), graph.node(bond.head)
+    if isinstance(tail, OneJunction) and isinstance(head, OneJunction):
+        return tail.name
+    if isinstance(tail, Transformer) and isinstance(head, OneJunction):
+        # Of a gear's two bonds the outer one: compliance of either is the other's.
+        others = (b.other(tail.name) for b in graph.bonds_at(tail.name))
+        rigid = all(isinstance(graph.node(o), OneJunction) for o in others)
+        return tail.name if rigid else None
+    if isinstance(tail, OneJunction) and isinstance(head, Inertance):
+        return head.name if _carries_more(graph, tail.name) else None
+    if isinstance(tail, FlowSource) and isinstance(head, OneJunction):
+        return tail.name
+    return None
+
+
+def _carries_more(graph: FinishedGraph, junction: str) -> bool:
+    """Return whether more hangs on a junction than one element and its sources."""
+    nodes = (graph.node(b.other(junction)) for b in graph.bonds_at(junction))
+    return sum(not isinstance(node, Source) for node in nodes) > 1

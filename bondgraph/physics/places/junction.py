@@ -1,0 +1,101 @@
+"""A junction as a place: where an element may hang that the model does not have."""
+
+from dataclasses import dataclass
+
+from bondgraph.physics.places.base import Coefficient, Place
+from bondgraph.physics.places.scales import Scales
+from bondgraph.structure.domains import EnergyDomain, Quantity
+from bondgraph.structure.edits import InsertElement
+from bondgraph.structure.elements import (
+    Compliance,
+    EffortSource,
+    FlowSource,
+    Node,
+    OneJunction,
+    OnePort,
+)
+from bondgraph.structure.graph import FinishedGraph
+from bondgraph.structure.signals import displacement, parameters_in, signals_in
+
+
+@dataclass(frozen=True, slots=True)
+class JunctionPlace(Place):
+    """A 1- or 0-junction; the kind is the type."""
+
+    @property
+    def domain(self) -> EnergyDomain:
+        """The energy domain there."""
+        return self.graph.domain_at(self.name)
+
+    @property
+    def neighbours(self) -> tuple[Node, ...]:
+        """The nodes that a bond joins to this place."""
+        bonds = self.graph.bonds_at(self.name)
+        return tuple(self.graph.node(bond.other(self.name)) for bond in bonds)
+
+    @property
+    def displacement_known(self) -> bool:
+        """Whether the displacement is absolute here: measured, or that of a C.
+
+        Elsewhere its origin would be free in every window, which explains too much.
+        """
+        own = displacement(self.name)
+        if any(m.expression.has(own) for m in self.graph.measurements):
+            return True
+        return any(isinstance(node, Compliance) for node in self.neighbours)
+
+    @property
+    def has_free_bias(self) -> bool:
+        """Whether a constant source with a fitted value sits here."""
+        for node in self.neighbours:
+            if isinstance(node, EffortSource | FlowSource) and node.value is not None:
+                names = parameters_in(node.value)
+                constant = names and not signals_in(node.value)
+                if constant and any(not self.graph.parameters[n].exact for n in names):
+                    return True
+        return False
+
+    def has_free_linear(self, kind: type) -> bool:
+        """Return whether a linear element of `kind` with a fitted value sits here."""
+        return any(
+            isinstance(node, kind)
+            and getattr(node, "law", None) is None
+            and self.graph.parameters[node.name].std is None
+            for node in self.neighbours
+        )
+
+    @property
+    def flow(self) -> float:
+        """Typical flow."""
+        return self.scales.at(Quantity.FLOW, self.name)
+
+    @property
+    def effort(self) -> float:
+        """Typical effort of the bonds there."""
+        return self.scales.at(Quantity.EFFORT, self.name)
+
+    @property
+    def displacement(self) -> float:
+        """Typical displacement."""
+        return self.scales.at(Quantity.DISPLACEMENT, self.name)
+
+    def insert(self, element: OnePort, *coefficients: Coefficient) -> InsertElement:
+        """Return the edit that hangs `element` here."""
+        parameters = tuple(c.parameter for c in coefficients)
+        return InsertElement(self.name, element, parameters)
+
+
+@dataclass(frozen=True, slots=True)
+class OneJunctionPlace(JunctionPlace):
+    """A 1-junction: what hangs there shares its flow and adds an effort."""
+
+
+@dataclass(frozen=True, slots=True)
+class ZeroJunctionPlace(JunctionPlace):
+    """A 0-junction: what hangs there shares its effort and takes a flow."""
+
+
+def junction_place(graph: FinishedGraph, name: str, scales: Scales) -> JunctionPlace:
+    """Return the junction called `name` as a place of its kind."""
+    one = isinstance(graph.node(name), OneJunction)
+    return (OneJunctionPlace if one else ZeroJunctionPlace)(graph, name, scales)

@@ -1,0 +1,52 @@
+"""Typical sizes of signals: what start values of hypotheses are measured in."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from bondgraph.structure.domains import Quantity
+
+
+@dataclass(frozen=True, slots=True)
+class Scales:
+    """Typical sizes of signals in the base model's simulation.
+
+    Parameters
+    ----------
+    sizes
+        Root mean square by signal name, ``effort(joint)``, or by output name.
+    ranges
+        Least and largest value, by the same names.
+    interval
+        Seconds between samples; 0 where not known.
+    duration
+        Seconds of the longest recording; 0 where not known.
+    """
+
+    sizes: Mapping[str, float] = field(default_factory=dict)
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    interval: float = 0.0
+    duration: float = 0.0
+
+    def at(self, quantity: Quantity, place: str, default: float = 1.0) -> float:
+        """Return the size of `quantity` at `place`, or `default` where unknown or 0."""
+        return self.of(f"{quantity}({place})", default)
+
+    def of(self, name: str, default: float = 1.0) -> float:
+        """Return the size of the signal or output called `name`, or `default`."""
+        return self.sizes.get(name, 0.0) or default
+
+    def range_of(self, name: str, default: float = 1.0) -> tuple[float, float]:
+        """Return the range of a signal or output; about ± 1.5 sizes where unknown."""
+        size = self.of(name, default)
+        low, high = self.ranges.get(name, (0.0, 0.0))
+        return (low, high) if low < high else (-1.5 * size, 1.5 * size)
+
+    @property
+    def step(self) -> float:
+        """The shortest time worth fitting: the sampling interval, or 1 ms."""
+        return self.interval or 1e-3
+
+    @property
+    def stretch(self) -> float:
+        """The time in which things happen: the duration, or 1000 steps."""
+        return self.duration or 1000 * self.step
