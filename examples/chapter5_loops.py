@@ -1,13 +1,15 @@
 """Section 4.4 and chapter 5 of the FlegX thesis: motor, gravity, the four loops.
 
-Figures 4.8 (square wave), 5.4 to 5.11 (Bode and Nichols of the loops, with ten times
-the friction dashed), and the printed figures beside the recomputed ones.
+Figures 4.8 (square wave) and 5.4 to 5.11 (Bode and Nichols of the four loops, as
+designed and with ten times the friction); all twelve printed controllers in their
+loops; gravity's torques and the loops' numerators.
 
 Run with ``python examples/chapter5_loops.py [FOLDER]``; needs matplotlib.
 """
 
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib as mpl
@@ -17,10 +19,17 @@ mpl.use("Agg")  # pictures are written, no window is opened
 import matplotlib.pyplot as plt
 from scipy.signal import lsim
 
-from bondgraph import state_space
+from bondgraph import (
+    FrictionRule,
+    SecondOrderPrototype,
+    comparison_sheet,
+    state_space,
+    write_picture,
+)
+from bondgraph.reporting.loop_pictures import SheetRow
 from flegx_models.controllers import (
     MODELS,
-    PrintedLoop,
+    evaluated,
     printed_figures,
     printed_loop,
     printed_reading,
@@ -32,7 +41,7 @@ from flegx_models.motor import driven_motor
 from flegx_models.parameters_control import CONTROL
 
 GROWTH = CONTROL.values_by_name()["friction_growth"]
-OMEGA = np.geomspace(0.05, 200, 400)
+PROTOTYPE = SecondOrderPrototype(CONTROL.values_by_name()["damping_prototype"])
 
 
 def motor_figure(folder: Path) -> None:
@@ -42,52 +51,36 @@ def motor_figure(folder: Path) -> None:
     matrices = (system.A, system.B, system.C, system.D)
     _, current, _ = lsim(matrices, duty, time, interp=False)
     figure, axis = plt.subplots(figsize=(7, 3), layout="constrained")
-    axis.plot(1e3 * time, current, label="current [A]")
+    axis.plot(1e3 * time, current, label="current")
     axis.plot(1e3 * time, 0.2 * duty, "k:", label="0.20 A/% · duty")
-    axis.set(title="4.8 motor and driver", xlabel="time [ms]", ylim=(-5, 7))
+    axis.set(title="4.8 motor and driver", xlabel="time [ms]", ylabel="current")
+    axis.set_ylim(-5, 7)
     axis.legend(loc="upper right")
     figure.savefig(folder / "figure_4_8.png", dpi=90)
     plt.close(figure)
 
 
-def loop_figure(folder: Path, model: str) -> None:
-    loop = printed_loop(model)
-    friction = GROWTH * loop.friction_pole
-    curves = {
-        "designed": (loop, "-"),
-        f"{GROWTH:g} × friction, same zero": (loop.rubbed(friction), ":"),
-        f"{GROWTH:g} × friction, zero moved": (
-            printed_loop(model, "modified").rubbed(friction),
-            "--",
-        ),
-    }
-    figure, (bode, nichols) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
-    twin = bode.twinx()
-    for k, (name, (curve, style)) in enumerate(curves.items()):
-        gain, phase = decibels_and_degrees(curve)
-        bode.semilogx(OMEGA, gain, f"C{k}", ls=style, label=name)
-        twin.semilogx(OMEGA, phase, f"C{k}", ls=style, alpha=0.5)
-        nichols.plot(phase, gain, f"C{k}", ls=style, label=name)
-    found = loop.figures
-    bode.axvline(found.crossover, color="0.7")
-    bode.set(xlabel="ω [rad/s]", ylabel="gain [dB]", title=model.replace("_", ", "))
-    twin.set_ylabel("phase [°] (pale)")
-    nichols.plot(-180, 0, "k+")
-    nichols.set(
-        xlabel="phase [°]", ylabel="gain [dB]", xlim=(-270, -60), ylim=(-50, 50)
+def loops(model: str) -> SheetRow:
+    """Return a loop as designed, and what ten times the friction makes of it."""
+    designed = printed_loop(model)
+    rule = FrictionRule(
+        lead=designed.lead,
+        friction_pole=designed.friction_pole,
+        crossover=designed.figures.crossover,
     )
-    nichols.set_title(
-        f"crossover {found.crossover:.2f} rad/s, "
-        f"margin {math.degrees(found.phase_margin):.2f}°"
+    rubbed = designed.rubbed(GROWTH * designed.friction_pole)
+    moved = printed_loop(model, "modified").rubbed(rubbed.friction_pole)
+    riding = replace(rubbed, lead=rule.at(rubbed.friction_pole))
+    return SheetRow(
+        title=model.replace("_", ", "),
+        designed={"designed": designed.loop},
+        changed={
+            "designed": designed.loop,
+            f"friction × {GROWTH:g}": rubbed.loop,
+            "zero as printed": moved.loop,
+            "zero as derived": riding.loop,
+        },
     )
-    nichols.legend(fontsize=8, loc="lower right")
-    figure.savefig(folder / f"loop_{model}.png", dpi=90)
-    plt.close(figure)
-
-
-def decibels_and_degrees(loop: PrintedLoop) -> tuple[np.ndarray, np.ndarray]:
-    gain = [20 * math.log10(abs(loop.response(w))) for w in OMEGA]
-    return np.array(gain), np.array([math.degrees(loop.phase(w)) for w in OMEGA])
 
 
 def loop_table() -> str:
@@ -105,6 +98,20 @@ def loop_table() -> str:
     return "\n".join([*lines, "(recomputed, printed; last: formulas as they stand)"])
 
 
+def versions_table() -> str:
+    lines = [
+        f"{'controller':20}{'version':10}{'friction pole':>14}{'ω_gc':>8}{'ω_pc':>8}"
+        f"{'margin [°]':>12}"
+    ]
+    for model, version, loop in evaluated():
+        found = loop.figures
+        lines.append(
+            f"{model:20}{version:10}{loop.friction_pole:14.2f}{found.crossover:8.2f}"
+            f"{found.turnover:8.2f}{math.degrees(found.phase_margin):12.2f}"
+        )
+    return "\n".join(lines)
+
+
 def gravity_table() -> str:
     lines = [f"{'gravity [N·m]':18}{'hip':>8}{'printed':>9}{'knee':>9}{'printed':>9}"]
     for case in CASES:
@@ -120,9 +127,10 @@ def gravity_table() -> str:
 def main(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     motor_figure(folder)
-    for model in MODELS:
-        loop_figure(folder, model)
+    sheet = comparison_sheet([loops(m) for m in MODELS], prototype=PROTOTYPE)
+    write_picture(sheet, folder / "figures_5_4_to_5_11.png")
     print(loop_table())
+    print(versions_table())
     print(gravity_table())
     low, high = torque_constants_of_the_numerators()
     print(f"numerators of eq. 5.10 to 5.22: K_m from {low:.5f} to {high:.5f} N·m/A")

@@ -17,6 +17,7 @@ import numpy as np
 mpl.use("Agg")  # pictures are written, no window is opened
 import matplotlib.pyplot as plt
 
+from flegx_models.controllers import controller
 from flegx_models.jump.simulation import Experiment, JumpRecord, run
 from flegx_models.jump.tuning_run import run_test
 from flegx_models.jump.worm import WormGear, irreversible_worm
@@ -38,9 +39,10 @@ TITLES = (
 def tuning_figures(folder: Path, worm: WormGear) -> None:
     figure, axes = plt.subplots(2, 2, figsize=(10, 6), layout="constrained")
     for axis, test, title in zip(axes.flat, tuning_tests(), TITLES, strict=True):
-        ideal = run_test(test, IDEAL, "printed", 1.4)
-        printed = run_test(test, worm, "printed", 1.4)
-        tuned = run_test(test, worm, "tuned", 1.4)
+        designed, final = (controller(test.model, v) for v in ("printed", "tuned"))
+        ideal = run_test(test, IDEAL, designed, 1.4)
+        printed = run_test(test, worm, designed, 1.4)
+        tuned = run_test(test, worm, final, 1.4)
         axis.plot(ideal.time, np.degrees(ideal.reference), "0.6", label="reference")
         axis.plot(ideal.time, np.degrees(ideal.angle), "k--", label="without friction")
         axis.plot(printed.time, np.degrees(printed.angle), label="worm, designed zero")

@@ -16,21 +16,16 @@ digits, from K_m = 0.042 N·m/A where Table 2.1 prints 0.0427; see `numerator`.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import product
 
-import numpy as np
-from numpy.typing import NDArray
-
-from bondgraph import BondGraphError
+from bondgraph import BondGraphError, Lead, Loop, ZeroPoleGain, measure
 from flegx_models.characterisation.encoder_filter import ButterworthPair
 from flegx_models.parameters_chapter3 import CHAPTER_3
 from flegx_models.parameters_control import CONTROL
 from flegx_models.parameters_datasheets import DATASHEETS
 from flegx_models.published import PUBLISHED, PublishedTransferFunction
-
-ComplexArray = NDArray[np.complex128]
 
 MODELS = ("lowerleg_flight", "upperleg_flight", "lowerleg_stance", "upperleg_stance")
 """The four loops, named like their plants in `flegx_models.models`."""
@@ -39,35 +34,11 @@ VERSIONS = ("printed", "modified", "tuned")
 """Designed with the bearings' friction; for ten times that; and on the machine."""
 
 
-@dataclass(frozen=True, slots=True)
-class Controller:
-    """A lead K (s + z)/(1 + s/p), from angle error (rad) to current (A).
-
-    ``gain`` K in A·s/rad, ``zero`` z and ``pole`` p as magnitudes in rad/s.
-    """
-
-    gain: float
-    zero: float
-    pole: float
-
-    @property
-    def numerator(self) -> tuple[float, float]:
-        """Coefficients of s, highest power first."""
-        return self.gain, self.gain * self.zero
-
-    @property
-    def denominator(self) -> tuple[float, float]:
-        """Coefficients of s, highest power first."""
-        return 1 / self.pole, 1.0
-
-    def response(self, s: ComplexArray) -> ComplexArray:
-        """Return the values at points of the s-plane."""
-        return np.asarray(self.gain * (s + self.zero) / (1 + s / self.pole))
-
-
 @cache
-def controller(model: str, version: str = "printed") -> Controller:
-    """Return the controller of one of the four loops.
+def controller(model: str, version: str = "printed") -> Lead:
+    """Return the lead of one of the four loops, from angle error (rad) to current (A).
+
+    Its gain is in A·s/rad, its zero and pole are magnitudes in rad/s.
 
     Parameters
     ----------
@@ -90,7 +61,7 @@ def controller(model: str, version: str = "printed") -> Controller:
         )
     values = CONTROL.values_by_name()
     name = model if version == "printed" else f"{model}_{version}"
-    return Controller(values[f"K_{name}"], values[f"z_{name}"], values[f"p_{name}"])
+    return Lead(values[f"K_{name}"], values[f"z_{name}"], values[f"p_{name}"])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -146,7 +117,7 @@ class PrintedLoop:
         Of the train, magnitude in rad/s.
     """
 
-    lead: Controller
+    lead: Lead
     numerator: float
     zero: float
     fast_pole: float
@@ -154,38 +125,26 @@ class PrintedLoop:
     friction_pole: float
     filter: ButterworthPair
 
-    def response(self, omega: float) -> complex:
-        """Return the loop's frequency response at `omega` in rad/s."""
-        s = np.array([1j * omega])
-        motor = (s + self.zero) / (s + self.fast_pole) / (s + self.slow_pole)
-        train = self.numerator / (s * (s + self.friction_pole))
-        around = self.lead.response(s) * motor * train * self.filter.response(omega)
-        return complex(around[0])
-
-    def phase(self, omega: float) -> float:
-        """Return the phase in rad, continuous from -π or -π/2 at low frequency."""
-        corner = math.atan2(
-            self.filter.damping_term * omega * self.filter.cutoff,
-            self.filter.cutoff**2 - omega**2,
-        )
-        lags = (self.fast_pole, self.slow_pole, self.friction_pole, self.lead.pole)
-        leads = (self.zero, self.lead.zero)
-        return (
-            sum(math.atan(omega / z) for z in leads)
-            - sum(math.atan(omega / p) for p in lags)
-            - 2 * corner
-            - math.pi / 2
+    @property
+    def loop(self) -> Loop:
+        """The loop in factored form, the filter in its feedback (figure 5.3)."""
+        poles = (0.0, -self.friction_pole, -self.slow_pole, -self.fast_pole)
+        return Loop(
+            plant=ZeroPoleGain(zeros=(-self.zero,), poles=poles, gain=self.numerator),
+            controller=self.lead.transfer,
+            feedback=ZeroPoleGain(
+                poles=self.filter.poles, gain=self.filter.numerator[0]
+            ),
         )
 
     @property
     def figures(self) -> "LoopFigures":
         """Crossovers and phase margin."""
-        low, high = 1e-3 * self.lead.pole, 1e2 * self.lead.pole
-        crossover = _root(lambda w: math.log(abs(self.response(w))), low, high)
+        found = measure(self.loop, step=False)
         return LoopFigures(
-            crossover=crossover,
-            turnover=_root(lambda w: self.phase(w) + math.pi, low, high),
-            phase_margin=math.pi + self.phase(crossover),
+            crossover=found.crossover,
+            turnover=found.phase_crossovers[0].omega,
+            phase_margin=math.radians(found.phase_margin),
         )
 
     def rubbed(self, friction_pole: float) -> "PrintedLoop":
@@ -200,12 +159,6 @@ class LoopFigures:
     crossover: float
     turnover: float
     phase_margin: float
-
-
-def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    from scipy.optimize import brentq  # noqa: PLC0415
-
-    return float(brentq(function, low, high))
 
 
 def printed_loop(
@@ -234,6 +187,25 @@ def printed_loop(
             damping_term=CHAPTER_3.values_by_name()["filter_damping_term"],
         ),
     )
+
+
+def evaluated() -> tuple[tuple[str, str, PrintedLoop], ...]:
+    """Return model, version and corrected loop of all twelve printed controllers.
+
+    Each against the friction that it is for: the bearings', ten times that (section
+    5.2), and for the tuned ones the friction whose pole their zero would cancel.
+    """
+    growth = CONTROL.values_by_name()["friction_growth"]
+    found = []
+    for model, version in product(MODELS, VERSIONS):
+        loop = printed_loop(model, version)
+        friction_poles = {
+            "printed": loop.friction_pole,
+            "modified": growth * loop.friction_pole,
+            "tuned": loop.lead.zero,
+        }
+        found.append((model, version, loop.rubbed(friction_poles[version])))
+    return tuple(found)
 
 
 def printed_figures(model: str) -> LoopFigures:

@@ -1,5 +1,6 @@
 """Motor, gravity compensation, loops and controllers of sections 4.4 to 5.2."""
 
+import cmath
 import math
 
 import numpy as np
@@ -19,13 +20,12 @@ from bondgraph import (
     fit,
     linearise,
 )
-from bondgraph.loopshaping.measures import measure
-from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain
 from flegx_models.controllers import (
     MODELS,
     VERSIONS,
     controller,
     corrected_reading,
+    evaluated,
     numerator,
     printed_figures,
     printed_loop,
@@ -178,31 +178,48 @@ def test_the_loops_as_printed_are_unstable(model):
     assert printed_loop(model, reading=printed_reading()).figures.phase_margin < 0
 
 
+def around(loop, omega):
+    """Return eq. 5.10 to 5.24 once around at s = jω, as the thesis writes them."""
+    s, lead, cutoff = 1j * omega, loop.lead, loop.filter.cutoff
+    train = loop.numerator * (s + loop.zero) / (s * (s + loop.friction_pole))
+    driven = train / ((s + loop.fast_pole) * (s + loop.slow_pole))
+    second = 1 + loop.filter.damping_term * s / cutoff + (s / cutoff) ** 2
+    return lead.gain * (s + lead.zero) / (1 + s / lead.pole) * driven / second**2
+
+
+@pytest.mark.parametrize("reading", [printed_reading, corrected_reading])
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("model", MODELS)
-def test_figures_agree_with_the_general_measures(model, version):
-    loop = printed_loop(model, version)
-    cutoff, term = loop.filter.cutoff, loop.filter.damping_term
-    pair = np.roots([1.0, term * cutoff, cutoff**2])
-    lead = loop.lead
-    whole = ZeroPoleGain(
-        zeros=(-loop.zero, -lead.zero),
-        poles=(
-            *(0.0, -loop.friction_pole, -loop.fast_pole, -loop.slow_pole, -lead.pole),
-            *pair,
-            *pair,
-        ),
-        gain=lead.gain * lead.pole * loop.numerator * cutoff**4,
-    )
-    measured = measure(whole, step=False)
-    assert measured.stable
+def test_figures_are_those_of_the_written_formula(model, version, reading):
+    loop = printed_loop(model, version, reading())
     figures = loop.figures
-    assert measured.crossover == pytest.approx(figures.crossover, rel=1e-8)
-    assert measured.phase_margin == pytest.approx(
-        math.degrees(figures.phase_margin), abs=1e-6
-    )
-    turnover = measured.phase_crossovers[0].omega
-    assert turnover == pytest.approx(figures.turnover, rel=1e-8)
+    there = around(loop, figures.crossover)
+    assert abs(there) == pytest.approx(1.0, rel=1e-8)
+    assert cmath.phase(-there) == pytest.approx(figures.phase_margin, abs=1e-9)
+    turned = around(loop, figures.turnover)
+    assert turned.real < 0
+    assert turned.imag == pytest.approx(0.0, abs=1e-8 * abs(turned))
+    # The first of each: the gain falls, and the phase does not reach -180° before.
+    omega = np.geomspace(1e-3, figures.turnover, 400)[:-1]
+    assert np.all(np.diff(np.abs(around(loop, omega))) < 0)
+    assert np.all(np.unwrap(np.angle(around(loop, omega))) > -np.pi)
+
+
+def test_all_twelve_controllers_are_evaluated_with_the_friction_they_are_for():
+    rows = {(model, version): loop for model, version, loop in evaluated()}
+    assert set(rows) == {(m, v) for m in MODELS for v in VERSIONS}
+    margins = {k: math.degrees(loop.figures.phase_margin) for k, loop in rows.items()}
+    assert all(60 < margin < 80 for margin in margins.values())
+    for model in MODELS:
+        tuned = rows[model, "tuned"]
+        assert tuned.friction_pole == tuned.lead.zero
+        # The tuned gains are higher, and so are the crossovers.
+        designed = rows[model, "printed"].figures.crossover
+        assert 1.0 < tuned.figures.crossover / designed < 1.2
+    # Where the designed zero is off the pole, its multiple does not keep the margin.
+    changes = {m: margins[m, "modified"] - margins[m, "printed"] for m in MODELS}
+    assert changes.pop("upperleg_flight") > 9
+    assert all(abs(change) < 1.2 for change in changes.values())
 
 
 @pytest.mark.parametrize("model", ["lowerleg_flight", "lowerleg_stance"])

@@ -7,6 +7,7 @@ cannot be mixed up. With 25 Hz the attenuation at 133 Hz is 58.1 dB; 60 dB, as a
 needs 23.7 Hz.
 """
 
+import cmath
 import math
 from dataclasses import dataclass
 
@@ -105,6 +106,13 @@ class ButterworthPair:
         """Coefficients of s, highest power first."""
         section = [1.0, self.damping_term * self.cutoff, self.cutoff**2]
         return tuple(float(c) for c in np.polymul(section, section))
+
+    @property
+    def poles(self) -> tuple[complex, ...]:
+        """The four poles in rad/s, each section's pair twice."""
+        half = self.damping_term / 2
+        above = self.cutoff * (-half + cmath.sqrt(half**2 - 1))
+        return (above, above.conjugate()) * 2
 
     def response(self, omega: ArrayLike) -> ComplexArray:
         """Return the frequency response at `omega`, rad/s."""

@@ -16,8 +16,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph import Lead
 from flegx_models.characterisation.encoder_filter import ButterworthPair
-from flegx_models.controllers import Controller
 
 Array = NDArray[np.float64]
 
@@ -89,14 +89,14 @@ class JointController:
     Both run all the time on the same error; the phase says whose output is used.
     """
 
-    flight: Controller
-    stance: Controller
+    flight: Lead
+    stance: Lead
     rate: float
     _runs: dict[bool, DifferenceEquation] = field(init=False)
 
     def __post_init__(self) -> None:
         self._runs = {
-            grounded: DifferenceEquation(law.numerator, law.denominator, self.rate)
+            grounded: sampled_lead(law, self.rate)
             for grounded, law in ((False, self.flight), (True, self.stance))
         }
 
@@ -104,6 +104,13 @@ class JointController:
         """Return the current in A for the next error in rad."""
         outputs = {phase: run(error) for phase, run in self._runs.items()}
         return outputs[grounded]
+
+
+def sampled_lead(law: Lead, rate: float) -> DifferenceEquation:
+    """Return a lead K (s + z)/(1 + s/p) of chapter 5 at `rate` Hz."""
+    return DifferenceEquation(
+        (law.gain, law.gain * law.zero), (1 / law.pole, 1.0), rate
+    )
 
 
 def encoder_filter(cutoff: float, rate: float, start: float) -> DifferenceEquation:

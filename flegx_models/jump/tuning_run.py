@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flegx_models.controllers import controller
+from bondgraph import Lead
 from flegx_models.jump.instant import Choice, Ground, Problem, solve
 from flegx_models.jump.mechanics import Posture
-from flegx_models.jump.sampled import DifferenceEquation, Encoder, encoder_filter
+from flegx_models.jump.sampled import Encoder, encoder_filter, sampled_lead
 from flegx_models.jump.worm import WormGear
 from flegx_models.parameters_chapter3 import CHAPTER_3
 from flegx_models.parameters_control import CHOSEN, CONTROL
@@ -40,7 +40,7 @@ class TuningRecord:
 
 
 def run_test(
-    test: TuningTest, worm: WormGear, version: str, duration: float
+    test: TuningTest, worm: WormGear, law: Lead, duration: float
 ) -> TuningRecord:
     """Return how a joint with this worm follows the splines of its tuning test.
 
@@ -48,14 +48,14 @@ def run_test(
     ----------
     test
         One of `flegx_models.tuned_zeros.tuning_tests`.
-    version
-        Of the controller, see `flegx_models.controllers.controller`.
+    law
+        The controller, such as `flegx_models.controllers.controller` returns.
     duration
         s.
     """
     values = CONTROL.values_by_name()
     rate, substeps = values["sampling"], int(CHOSEN.values_by_name()["substeps"])
-    loop = _Loop(test, version, rate)
+    loop = _Loop(test, law, rate)
     step = 1 / (rate * substeps)
     torque = DATASHEETS.values_by_name()["K_m"] * worm.ratio
     limit = values["driver_current"]
@@ -82,10 +82,9 @@ def run_test(
 class _Loop:
     """Reference, encoder, filter and lead of one joint."""
 
-    def __init__(self, test: TuningTest, version: str, rate: float) -> None:
+    def __init__(self, test: TuningTest, law: Lead, rate: float) -> None:
         values, chapter_3 = CONTROL.values_by_name(), CHAPTER_3.values_by_name()
-        law = controller(test.model, version)
-        self._law = DifferenceEquation(law.numerator, law.denominator, rate)
+        self._law = sampled_lead(law, rate)
         self._filter = encoder_filter(2 * math.pi * chapter_3["f_filter"], rate, 0.0)
         self._encoder = Encoder(
             step=chapter_3["encoder_step"], noise=chapter_3["encoder_noise"]
