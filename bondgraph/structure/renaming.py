@@ -34,7 +34,7 @@ class Renaming:
 
     def place(self, name: str) -> str:
         """Return the new name of a node, a bond (``a>b``) or a field's port."""
-        if ">" in name:
+        if ">" in name and name not in self.places:
             tail, head = name.split(">", 1)
             return f"{self.place(tail)}>{self.place(head)}"
         return self.places.get(name, name)

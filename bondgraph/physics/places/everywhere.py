@@ -1,6 +1,6 @@
 """All places of a graph, in the author's order."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from bondgraph.physics.places.base import Place
 from bondgraph.physics.places.bond import BondPlace
@@ -8,9 +8,11 @@ from bondgraph.physics.places.channels import InputPlace, OutputPlace
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import junction_place
 from bondgraph.physics.places.scales import Scales
+from bondgraph.structure.edits import carries_signals_only
 from bondgraph.structure.elements import (
     FlowSource,
     Inertance,
+    Junction,
     OneJunction,
     Source,
     Transformer,
@@ -29,17 +31,27 @@ def all_places(graph: FinishedGraph, scales: Scales) -> tuple[Place, ...]:
     scales
         Typical sizes of its signals, for start values.
     """
+    machine = [j.name for j in machine_junctions(graph)]
     return (
-        *(junction_place(graph, junction.name, scales) for junction in graph.junctions),
+        *(junction_place(graph, name, scales) for name in machine),
         *_bonds(graph, scales),
         *(
             ElementPlace(graph, node.name, scales)
             for node in graph.elements
-            if isinstance(node, WithLaw)
+            if isinstance(node, WithLaw) and _touches(graph, node.name, machine)
         ),
         *(InputPlace(graph, source.name, scales) for source in graph.inputs),
         *(OutputPlace(graph, m.name, scales) for m in graph.measurements),
     )
+
+
+def machine_junctions(graph: FinishedGraph) -> tuple[Junction, ...]:
+    """Return the junctions of the machine: those of signals are no places."""
+    return tuple(j for j in graph.junctions if not carries_signals_only(graph, j.name))
+
+
+def _touches(graph: FinishedGraph, element: str, junctions: Collection[str]) -> bool:
+    return any(b.other(element) in junctions for b in graph.bonds_at(element))
 
 
 def _bonds(graph: FinishedGraph, scales: Scales) -> Iterator[BondPlace]:

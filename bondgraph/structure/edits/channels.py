@@ -1,0 +1,115 @@
+"""Edits of channels: what a sensor reads, and what an input does."""
+
+from dataclasses import dataclass
+
+import sympy
+
+from bondgraph.errors import StructureError
+from bondgraph.structure.edits.rebuilding import Pieces
+from bondgraph.structure.edits.signal_states import SignalState
+from bondgraph.structure.elements import (
+    EffortSource,
+    OneJunction,
+    ZeroJunction,
+)
+from bondgraph.structure.graph import FinishedGraph, Measurement
+from bondgraph.structure.parameters import Parameter
+from bondgraph.structure.signals import canonical
+
+
+@dataclass(frozen=True, slots=True)
+class ReplaceMeasurement:
+    """Let a sensor read another expression (scale, bias, nonlinearity, lag)."""
+
+    measurement: str
+    expression: sympy.Expr
+    parameters: tuple[Parameter, ...] = ()
+    states: tuple[SignalState, ...] = ()
+    nested: bool = False
+
+    def apply(self, graph: FinishedGraph) -> FinishedGraph:
+        """Return the graph with the sensor's expression replaced."""
+        names = [m.name for m in graph.measurements]
+        if self.measurement not in names:
+            raise StructureError(
+                f"There is no measurement {self.measurement!r}.",
+                (self.measurement,),
+                f"Measured here: {', '.join(names)}.",
+            )
+        pieces = Pieces.of(graph)
+        pieces.measurements = [
+            Measurement(m.name, canonical(self.expression), m.unit)
+            if m.name == self.measurement
+            else m
+            for m in graph.measurements
+        ]
+        pieces.remember(self.states)
+        return pieces.finished(self.parameters)
+
+    def describe(self) -> str:
+        """Return the edit in words."""
+        return f"sensor {self.measurement} reads {self.expression}"
+
+    @property
+    def subject(self) -> str:
+        """The name of what it adds or changes."""
+        return self.measurement
+
+
+@dataclass(frozen=True, slots=True)
+class WrapInput:
+    """Let an input act through an expression (scale, saturation, dead zone, delay).
+
+    The input itself moves to a junction of its own, where it does nothing; in its
+    place stands the source `applied`, whose `value` reads it. What read the input in
+    the machine reads what is applied.
+
+    Parameters
+    ----------
+    input
+        The recorded input.
+    value
+        What is applied, an expression of ``effort(input)`` (or ``flow(input)``).
+    applied
+        The name of the new source.
+    """
+
+    input: str
+    value: sympy.Expr
+    applied: str
+    parameters: tuple[Parameter, ...] = ()
+    states: tuple[SignalState, ...] = ()
+    nested: bool = False
+
+    def apply(self, graph: FinishedGraph) -> FinishedGraph:
+        """Return the graph with the input acting through the expression."""
+        source = next((s for s in graph.inputs if s.name == self.input), None)
+        if source is None:
+            raise StructureError(
+                f"There is no input {self.input!r}.",
+                (self.input,),
+                f"Inputs here: {', '.join(s.name for s in graph.inputs)}.",
+            )
+        (bond,) = graph.bonds_at(self.input)
+        domain = graph.domain_at(self.input)
+        pieces = Pieces.of(graph)
+        pieces.read_elsewhere(
+            {self.input: self.applied, bond.name: f"{self.applied}>{bond.head}"}
+        )
+        value = canonical(self.value)
+        pieces.swap(self.input, type(source)(self.applied, value=value))
+        aside = f"{self.applied}_command"
+        effort = isinstance(source, EffortSource)
+        pieces.nodes.append(ZeroJunction(aside) if effort else OneJunction(aside))
+        pieces.hang(source, aside, domain)
+        pieces.remember(self.states)
+        return pieces.finished(self.parameters)
+
+    def describe(self) -> str:
+        """Return the edit in words."""
+        return f"input {self.input} acts as {self.value}"
+
+    @property
+    def subject(self) -> str:
+        """The name of what it adds or changes."""
+        return self.applied
