@@ -69,7 +69,7 @@ _OPTIONS = (
         type=click.Choice(["refuse", "drop", "keep"]),
         default="refuse",
         show_default=True,
-        help="What to do with empty or infinite cells: drop the row, or keep the rest of it.",
+        help="Drop rows with empty cells, or keep the rest of such a row.",
     ),
     click.option(
         "--order",
