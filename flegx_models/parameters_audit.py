@@ -23,6 +23,14 @@ def _parameter(
 AUDITED = ParameterSet(
     (
         _parameter("share_moving", 0.23, "1", 0.0, "eq. 3.19: of the link's mass"),
+        _parameter("height_demanded", 0.05, "m", 0.005, "section 2.1.2: a 5 cm jump"),
+        _parameter(
+            "speed_demanded",
+            40 * 2 * math.pi / 60,
+            "rad/s",
+            math.pi / 60,
+            "section 2.1.2: greater than 40 rpm",
+        ),
         _parameter("frequency_test", 1.43, "Hz", 0.005, "section 6.1: around 1.43 Hz"),
     )
 )

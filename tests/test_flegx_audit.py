@@ -1,6 +1,7 @@
 """The audit says what it must, by its own computation, and its page is up to date."""
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -136,6 +137,51 @@ def test_the_remarks_carry_the_numbers_that_no_row_has(found):
     ):
         assert number in text, number
     assert "176.76, 162.12, 108.36, 106.24" in text
+
+
+def said(found, where, words):
+    (statement,) = (
+        r.statement for r in found.remarks if r.where == where and words in r.statement
+    )
+    return statement
+
+
+def test_the_audit_counts_what_the_assumptions_cost(found):
+    lower = said(found, "eq. 4.7", "assumption")
+    assert "all 3 less than 1 %" in lower
+    for equation in ("eq. 4.30", "eq. 4.35"):
+        assert "no inertia' -38.6 %" in said(found, equation, "assumption more")
+        loops = said(found, equation, "Both motors turn")
+        assert "68.87" in loops
+        assert "137.74" in loops
+    assert "49 %" in said(found, "eq. 4.1", "nominal torque")
+    assert "-31 % (knee)" in said(found, "chapter 4", "rigid")
+
+
+def test_the_audit_says_what_the_drive_and_the_squat_can(found):
+    drive = said(found, "section 2.1.2", "5 cm")
+    lead = math.radians(13 + 51 / 60)
+    torque = 0.316 * 26 * 9.67 * 0.81 * (1 - math.tan(lead) ** 2) / 2
+    assert f"{torque:.0f} N·m are left" in drive
+    assert f"{10000 / 26 / 9.67:.1f} rpm" in drive
+    height = 1e3 * (2 * 0.30 * 0.5 * 0.75) ** 2 / (2 * 9.81)
+    assert f"{height:.1f} mm" in said(found, "section 6.2", "of the support")
+    assert "rise by 21 %" in said(found, "section 6.2", "counterweight")
+    assert "7.64 kg" in said(found, "eq. 5.7", "worm wheels")
+    assert f"{5 * 9.81 * 0.30:.2f} N·m" in said(found, "eq. 6.5", "rope")
+    assert "+9.5° (upperleg, flight)" in said(found, "section 5.2", "Ten times")
+
+
+@pytest.mark.parametrize(
+    "number",
+    [
+        *("0.117", "2.32023", "2.36653", "14.71", "6287", "0.045", "0.50 kg"),
+        *("11.2°, 16.3°, 7.5°, 13.4°", "6.27 : 17.55", "1710 times", "58.084"),
+    ],
+)
+def test_what_was_recomputed_by_hand_is_there(found, number):
+    """Numbers of the first recomputation that no test above names."""
+    assert number in as_text(found)
 
 
 def test_the_command_writes_text_json_and_page(found, tmp_path, capsys):

@@ -13,6 +13,7 @@ from flegx_models.characterisation.recomputed import Recomputed, recomputed
 from flegx_models.characterisation.tendons import spacing_for
 from flegx_models.parameters_audit import AUDITED
 from flegx_models.parameters_chapter3 import CHAPTER_3
+from flegx_models.parameters_datasheets import DATASHEETS
 
 _V = {p.name: p.value for p in CHAPTER_3.members if p.value is not None}
 
@@ -108,15 +109,16 @@ def remarks() -> Iterator[Remark]:
         statement=f"A uniform clamped strip has frequencies as {exact}; FEM prints "
         f"{seen[0]}, the measurements {seen[1]}, with accelerometer {seen[2]}.",
     )
-    yield Remark(
-        where="eq. 3.27",
-        statement="It is headed T/θ; the expression is θ/T.",
-    )
     delta = _V["I_lowerleg_total"] - _V["I_lowerleg"]
+    tendons = _V["m_lowerleg_total"] - _V["m_lowerleg"]
+    tendons -= (_V["m_upperleg_total"] - _V["m_upperleg"]) / 2
+    rest = delta - (DATASHEETS["I_gear"].value or 0.0)
     yield Remark(
         where="section 3.3.4",
         statement=f"ΔI = {delta:.1e} kg·m² is written I_gear + 2 m r, which is not an "
-        f"inertia; eq. 3.33 has a sum of moments where section 3.3.3 needs none.",
+        f"inertia. With r² the tendons' {tendons:.2f} kg turn at r = "
+        f"{1e3 * math.sqrt(rest / tendons):.0f} mm, as written at "
+        f"{1e3 * rest / tendons:.1f} mm. Eq. 3.33, a sum of first moments, is right.",
     )
     bits = math.degrees(2 * math.pi / 2**12), math.degrees(2 * math.pi / 2**14)
     yield Remark(

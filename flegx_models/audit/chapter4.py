@@ -40,6 +40,11 @@ _POLE = (
     "c / J with J the whole reflected inertia"
 )
 
+_OWN_FORMULA = (
+    "; and I_load = 0.143 of eq. 4.12 gives 0.117, which the zero 0.12 of eq. 5.16 "
+    "fits, only 0.0593 gives 0.28"
+)
+
 
 @cache
 def transfer(model: str) -> tuple[sympy.Expr, sympy.Expr]:
@@ -88,7 +93,7 @@ def _pole_row(entry: PublishedTransferFunction, step: str) -> Row:
     cause, data = _POLE.format(step=step), RECONCILED
     cause += f", {entry.friction_pole / right:.0f} times slower"
     if limb == "upperleg":
-        cause += "; and I_load = 0.143 of eq. 4.12 gives 0.117, only 0.0593 gives 0.28"
+        cause += _OWN_FORMULA
         data = RECONCILED.merged([_renamed("I_upperleg_link", "I_upperleg")])
     return row_of(
         _printed(f"pole_{entry.model}", entry.friction_pole, entry.pole_decimals),
@@ -168,7 +173,9 @@ def remarks() -> Iterator[Remark]:
     lengths = {limb: math.sqrt(support[limb] / masses[limb]) / lever for limb in _LINK}
     yield Remark(
         where="eq. 4.30, 4.35",
-        statement="Stance minus flight needs "
+        statement="N / gain is "
+        + " and ".join(f"{needed[f'{x}_stance']:.5f} kg·m² ({x})" for x in _LINK)
+        + ", and stance minus flight "
         + " and ".join(f"{support[x]:.5f} kg·m² ({x})" for x in _LINK)
         + "; with "
         + " and ".join(f"{masses[x]:.2f} kg" for x in _LINK)
@@ -200,8 +207,6 @@ def remarks() -> Iterator[Remark]:
     )
     yield _length_of_the_inertia(v)
     yield _mass_of_the_tendons()
-    for where, statement in _SLIPS:
-        yield Remark(where=where, statement=statement)
 
 
 def _length_of_the_inertia(v: dict[str, float]) -> Remark:
@@ -231,32 +236,6 @@ def _mass_of_the_tendons() -> Remark:
         f"the tendons; two 8 mm steel bars of 300 mm weigh {bars:.2f} kg. This is the "
         f"mass that the lower leg's stance gain needs.",
     )
-
-
-_SLIPS = (
-    (
-        "eq. 4.12",
-        "It names the friction of the knee for the hip's joint; eq. 4.35 names the "
-        "hip's.",
-    ),
-    (
-        "eq. 4.23",
-        "The left-hand side F cos(π/2 - 2θ0) lacks the lever L; with it, and F = m a / "
-        "cos θ0, the right-hand side 2 L sin θ0 m a follows.",
-    ),
-    (
-        "eq. 4.31",
-        "It divides by I_lowerleg in the upper leg's model; and the list of component "
-        "equations below it leaves out the friction e9 that eq. 4.33 contains.",
-    ),
-    ("eq. 5.6", "The second line lacks a bracket; eq. 5.7 has it."),
-    (
-        "eq. 6.2 to 6.4",
-        "All are called G_c,ll,f; they are those of the upper leg in flight and of "
-        "both legs in stance.",
-    ),
-)
-"""Slips in letters: no number depends on them."""
 
 
 def _words(model: str) -> str:

@@ -1,4 +1,4 @@
-"""Chapters 4.4 to 6 without the loops' margins: numerators, gravity, tests, jump."""
+"""Chapters 4.4 to 6 without gravity and margins: numerators, controllers, tests."""
 
 import math
 from collections.abc import Iterator
@@ -23,68 +23,11 @@ from flegx_models.parameters_datasheets import DATASHEETS
 from flegx_models.published import PUBLISHED
 
 _INF = math.inf
-_GRAVITY = PRINTED.merged(
-    [*CONTROL.members, replace(PRINTED["m_upperleg"], name="m_upperleg_link")]
-)
-_g, _L, _SUPPORT = sympy.symbols("g L m_motors_support", real=True)
-_m_ul, _m_ll, _l_ul, _l_ll, _BALANCE = sympy.symbols(
-    "m_upperleg_link m_lowerleg_link l_cm_upperleg l_cm_lowerleg m_counterweight",
-    real=True,
-)
-_FLIGHT_HIP = (_m_ul * _l_ul + _m_ll * _L) * _g  # eq. 5.3
-_FLIGHT_KNEE = _m_ll * _l_ll * _g
-_STANCE_HIP = (_SUPPORT * _L + _m_ul * (_L - _l_ul)) * _g  # eq. 5.6
-_STANCE_KNEE = (_SUPPORT * _L + _m_ul * _L + _m_ll * (_L - _l_ll)) * _g
-
-_LENGTH = "L is not printed; 0.30 m is inferred"
-_MASS = "with L = 0.30 m and a support of 7.6 kg, where section 3.3.1 weighs 6.6 kg"
-_TORQUES = (
-    ("gravity_hip_flight", "eq. 5.5", "hip, flight", _FLIGHT_HIP, _LENGTH),
-    ("gravity_knee_flight", "eq. 5.5", "knee, flight", _FLIGHT_KNEE, ""),
-    ("gravity_hip_stance", "eq. 5.8", "hip, stance", -_STANCE_HIP, _MASS),
-    ("gravity_knee_stance", "eq. 5.8", "knee, stance", -_STANCE_KNEE, _MASS),
-    (
-        "gravity_hip_counterweight",
-        "eq. 6.5",
-        "hip, stance with counterweight",
-        -_STANCE_HIP + _BALANCE * _g * _L,
-        _MASS,
-    ),
-    (
-        "gravity_knee_counterweight",
-        "eq. 6.5",
-        "knee, stance with counterweight",
-        -_STANCE_KNEE + _BALANCE * _g * _L,
-        _MASS,
-    ),
-)
-
-
-def _inferred_gravity() -> ParameterSet:
-    """Return the parameters with the two numbers that eq. 5.4 and 5.7 need."""
-    return _GRAVITY.merged(
-        (
-            replace(CONTROL["L_gravity"], name="L"),
-            replace(CONTROL["m_support_gravity"], name="m_motors_support"),
-        )
-    )
 
 
 def rows() -> Iterator[Row]:
-    """Yield the rows of sections 5.1 and 5.2, without margins, and of chapter 6."""
+    """Yield the rows of section 5.2, without margins, and of chapter 6."""
     yield from _numerator_rows()
-    for name, where, quantity, formula, cause in _TORQUES:
-        yield row_of(
-            CONTROL[name],
-            formula,
-            _GRAVITY,
-            place=(6 if where == "eq. 6.5" else 5, where),
-            quantity=f"gravity torque, {quantity}",
-            unit=("N·m", 1.0),
-            correction=Correction(cause=cause, data=_inferred_gravity())
-            if cause
-            else None,
-        )
     yield from _controller_rows()
     yield from _motion_rows()
 
@@ -184,8 +127,7 @@ def _motion_rows() -> Iterator[Row]:
 
 
 def questions() -> Iterator[Question]:
-    """Yield what would have to change for the gravity torques to come out."""
-    results = [published(CONTROL[name], formula) for name, _, _, formula, _ in _TORQUES]
+    """Yield what would have to change for the loops' numerators to come out."""
     yield Question(
         title="loop numerators with ampere commands (eq. 5.10 to 5.22)",
         comment="Where 1 A of command is 1 A of current the numerator is K_m ω_fast "
@@ -201,20 +143,6 @@ def questions() -> Iterator[Question]:
             ],
             _loop_data(),
             suspects=("K_m", *_DRIVER[1:]),
-        ),
-    )
-    yield Question(
-        title="gravity torques, one length L (eq. 5.5, 5.8, 6.5)",
-        comment="L is inferred. With all else exactly as printed the six torques need "
-        "L = 0.30 m and a support of 7.6 kg, where section 3.3.1 weighs about 6.6 kg; "
-        "rounding lets one smaller change do.",
-        answer=reconcile(
-            results,
-            _GRAVITY,
-            suspects=(
-                *("m_motors_support", "m_upperleg_link", "m_lowerleg_link"),
-                *("l_cm_upperleg", "l_cm_lowerleg", "m_counterweight"),
-            ),
         ),
     )
 

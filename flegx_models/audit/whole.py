@@ -3,7 +3,17 @@
 from functools import cache
 
 from bondgraph import Change, Reconciliation
-from flegx_models.audit import chapter2, chapter3, chapter4, control, loops
+from flegx_models.audit import (
+    assumptions,
+    chapter2,
+    chapter3,
+    chapter4,
+    control,
+    gravity,
+    jump,
+    loops,
+    slips,
+)
 from flegx_models.audit.records import Audit, Row, Verdict
 
 
@@ -15,16 +25,25 @@ def audit() -> Audit:
         *chapter3.rows(),
         *chapter4.rows(),
         *control.rows(),
+        *gravity.rows(),
         *loops.rows(),
     )
     return Audit(
         rows=tuple(sorted(found, key=lambda row: row.chapter)),
-        questions=(*chapter4.questions(), *control.questions()),
+        questions=(
+            *chapter4.questions(),
+            *control.questions(),
+            *gravity.questions(),
+        ),
         remarks=(
             *chapter3.remarks(),
             *chapter4.remarks(),
+            *assumptions.remarks(),
+            *gravity.remarks(),
             *loops.remarks(),
             *control.remarks(),
+            *jump.remarks(),
+            *slips.remarks(),
         ),
     )
 
