@@ -207,9 +207,10 @@ def _comparison(
 def _blame(first: Round) -> dict[str, float]:
     """Return for each junction the best training improvement a law there gives."""
     blame = {junction.name: 0.0 for junction in first.base.graph.junctions}
-    for candidate in first.screened:
-        place = candidate.hypothesis.place
-        blame[place] = max(blame[place], min(candidate.reduction(first.base), 1.0))
+    for promised in first.promised:
+        place = promised.hypothesis.place
+        share = min(max(promised.reduction, 0.0), 1.0)
+        blame[place] = max(blame.get(place, 0.0), share)
     return blame
 
 

@@ -1,9 +1,10 @@
 """`diagnose`: from a model and recordings to a ranked, calibrated answer.
 
 1. Fit the base model: wrong parameters are fitted away, what remains is structure.
-2. Propose every hypothesis of the library at every junction; screen by short refits.
-3. Judge the best by left-out chunks of the *training* recordings; accept the simplest
-   that is supported; repeat on the improved model until nothing more is.
+2. Propose every hypothesis of the library at every place; screen by what it promises.
+3. Fit the best; judge the best of these by left-out chunks of the *training*
+   recordings; accept the simplest that is supported; repeat on the improved model until
+   nothing more is.
 4. Open the held-out recordings once, to show. No choice has seen them.
 """
 
@@ -12,15 +13,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from bondgraph.diagnosis.answer import answer
+from bondgraph.diagnosis.journal import Journal
 from bondgraph.diagnosis.records import Diagnosis
-from bondgraph.diagnosis.search import (
-    Options,
-    Progress,
-    search,
-    search_settings,
-    sharpened,
-)
+from bondgraph.diagnosis.search import Options, search, search_settings, sharpened
 from bondgraph.diagnosis.verdict import excusable
+from bondgraph.diagnosis.workers import Progress, workshop
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import fit_model
 from bondgraph.recordings.binding import BoundRecording
@@ -65,7 +62,9 @@ def diagnose(
             (graph.name,),
             "Give start values nearer to the machine, or bounds that keep it finite.",
         )
-    rounds = search(base, excusable(recordings), chosen, progress)
+    journal = Journal(chosen.resume)
+    with workshop(chosen.where, journal, progress) as shop:
+        rounds = search(base, excusable(recordings), chosen, shop)
     final = base
     if rounds[-1].base is not base:
         progress("refitting the improved model")

@@ -1,30 +1,30 @@
 """The search: physics is added one piece at a time until nothing more is supported.
 
-Each round proposes the whole library at every junction of the current model, screens by
-short refits, judges the best on left-out data, and hands the improved model on.
+Each round proposes the whole library at every place of the current model, screens it by
+what each hypothesis promises, fits the best, judges the best of these on left-out data,
+and hands the improved model on.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.bench import Bench
 from bondgraph.diagnosis.candidates import (
-    Candidate,
+    Promised,
     Rejected,
-    complete,
-    nested,
+    Screened,
     propose_all,
-    screen,
 )
-from bondgraph.diagnosis.decision import CURVE, Judged, Rule, best_supported, judge
-from bondgraph.diagnosis.evidence import (
-    MOST_CHUNKS,
-    LeftOutErrors,
-    chunk_count,
-    left_out_errors,
-)
+from bondgraph.diagnosis.decision import CURVE, Judged, Rule, best_supported
+from bondgraph.diagnosis.evidence import MOST_CHUNKS
+from bondgraph.diagnosis.fits import fit_best
+from bondgraph.diagnosis.judging import judge_all
+from bondgraph.diagnosis.screening import screen
+from bondgraph.diagnosis.workers import Here, Where, Workshop
 from bondgraph.fitting.estimate import (
     FittedModel,
     Settings,
@@ -40,19 +40,14 @@ from bondgraph.fitting.horizon import (
     WholeRecordings,
     Windows,
 )
-from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
+from bondgraph.physics.hypothesis import AbstractPhysics
 from bondgraph.physics.library import LIBRARY
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
-Progress = Callable[[str], None]
-
 HOPELESS = 0.75
 """A candidate with less than this share of the best reduction is not judged."""
-
-TWINS = 1e-3
-"""Candidates whose residuals differ by less than this share predict the same."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,17 +62,25 @@ class Options:
         When a candidate counts.
     library
         The physics considered.
-    judged
-        How many candidates per round are judged on left-out data at most.
+    fitted, judged
+        How many hypotheses per round are fitted, and judged on left-out data, at most.
     most_findings
         Stop after so many.
+    where
+        Where hypotheses are tried: here, in processes, on an executor.
+    resume
+        A directory for the journal of what has been worked out: a diagnosis that was
+        interrupted goes on from there. None for no journal.
     """
 
     settings: Settings = field(default_factory=Settings)
     rule: Rule = field(default_factory=Rule)
     library: tuple[AbstractPhysics, ...] = LIBRARY
+    fitted: int = 24
     judged: int = 10
     most_findings: int = 3
+    where: Where = field(default_factory=Here)
+    resume: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,9 +93,9 @@ class Round:
         The model the round started from.
     tried
         How many hypotheses were considered.
-    judged, screened, rejected
-        Candidates judged on left-out data, those fitted briefly, and hypotheses that
-        could not be tried.
+    judged, promised, rejected
+        Candidates judged on left-out data, what every hypothesis promised, and those
+        that could not be tried.
     chosen
         The one accepted, if any.
     """
@@ -100,16 +103,13 @@ class Round:
     base: FittedModel
     tried: int = 0
     judged: tuple[Judged, ...] = ()
-    screened: tuple[Candidate, ...] = ()
+    promised: tuple[Promised, ...] = ()
     rejected: tuple[Rejected, ...] = ()
     chosen: Judged | None = None
 
 
 def search(
-    base: FittedModel,
-    noise: Array,
-    options: Options,
-    progress: Progress,
+    base: FittedModel, noise: Array, options: Options, shop: Workshop
 ) -> list[Round]:
     """Add supported physics piece by piece; the last round has found nothing more.
 
@@ -122,7 +122,7 @@ def search(
     rounds: list[Round] = []
     current = base
     while True:
-        found = _one_round(current, noise, options, len(rounds) + 1, progress)
+        found = _one_round(current, noise, options, len(rounds) + 1, shop)
         rounds.append(found)
         if found.chosen is None:
             return rounds
@@ -173,81 +173,40 @@ def sharpened(
 
 
 def _one_round(
-    base: FittedModel, noise: Array, options: Options, number: int, progress: Progress
+    base: FittedModel, noise: Array, options: Options, number: int, shop: Workshop
 ) -> Round:
     if explainable(base, noise) < options.rule.materiality:
         return Round(base)
     if number > options.most_findings:
         return Round(base)
+    bench = Bench.of(base, shop, f"round {number}")
     # After a named law, a free curve would only bend that law a little further.
     hypotheses = tuple(
         hypothesis
         for hypothesis in propose_all(base, options.library)
         if number == 1 or hypothesis.physics != CURVE
     )
-    screened, rejected = screen(
-        base,
-        hypotheses,
-        options.rule.materiality / 4,
-        lambda what: progress(f"round {number}: trying {what}"),
-    )
-    worth = _worth_judging(screened, base, hypotheses, options)
-    judged = _judge_all(worth, base, len(hypotheses), options, number, progress)
-    chosen = best_supported(judged, options.rule)
-    return Round(base, len(hypotheses), tuple(judged), screened, rejected, chosen)
-
-
-def _worth_judging(
-    screened: Sequence[Candidate],
-    base: FittedModel,
-    hypotheses: Sequence[Hypothesis],
-    options: Options,
-) -> list[Candidate]:
-    """Return the candidates to judge, in the order they were proposed."""
-    if not screened:
-        return []
-    best = screened[0].reduction(base)
-    least = max(options.rule.materiality / 2, HOPELESS * best)
-    kept = [c for c in screened if c.reduction(base) >= least][: options.judged]
+    screened = screen(bench, hypotheses)
+    fitted = fit_best(bench, _promising(screened, options), HOPELESS, options.judged)
+    least = options.rule.materiality / 2
+    worth = [c for c in fitted if c.reduction(base) >= least]
     order = {id(hypothesis): i for i, hypothesis in enumerate(hypotheses)}
-    return sorted(kept, key=lambda c: order[id(c.hypothesis)])
+    worth.sort(key=lambda candidate: order[id(candidate.hypothesis)])
+    judged = judge_all(bench, worth, len(hypotheses), options.rule)
+    chosen = best_supported(judged, options.rule)
+    return Round(
+        base,
+        len(hypotheses),
+        tuple(judged),
+        screened.promised,
+        screened.rejected,
+        chosen,
+    )
 
 
-def _judge_all(
-    worth: Sequence[Candidate],
-    base: FittedModel,
-    tried: int,
-    options: Options,
-    number: int,
-    progress: Progress,
-) -> list[Judged]:
-    """Judge candidates on left-out data; twins share their errors."""
-    judged: list[Judged] = []
-    if not worth:
-        return judged
-    best = min(worth, key=lambda candidate: candidate.fitted.optimum.cost)
-    chunks = chunk_count(best.fitted)
-    before = left_out_errors(base, chunks)
-    for candidate in nested([complete(candidate) for candidate in worth]):
-        hypothesis = candidate.hypothesis
-        progress(f"round {number}: judging {hypothesis.physics} at {hypothesis.place}")
-        errors = _twin_errors(candidate, judged)
-        if errors is None:
-            errors = left_out_errors(candidate.fitted, chunks)
-        judged.append(judge(candidate, before, errors, tried, options.rule))
-    return judged
-
-
-def _twin_errors(
-    candidate: Candidate, judged: Sequence[Judged]
-) -> LeftOutErrors | None:
-    """Return the errors of a candidate already judged that predicts the same."""
-    own = candidate.fitted.optimum.linearisation.residuals
-    size = float(np.linalg.norm(own))
-    for other in judged:
-        if other.candidate.complexity != candidate.complexity:
-            continue
-        difference = own - other.candidate.fitted.optimum.linearisation.residuals
-        if float(np.linalg.norm(difference)) <= TWINS * size:
-            return other.errors
-    return None
+def _promising(screened: Screened, options: Options) -> list[Promised]:
+    """Return the hypotheses worth a fit, those that promise most first."""
+    worth = options.rule.materiality / 4
+    return [promised for promised in screened.promised if promised.reduction >= worth][
+        : options.fitted
+    ]

@@ -1,0 +1,66 @@
+"""A bench: the base model of a round, and the workshop that tries hypotheses on it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bondgraph.diagnosis.candidates import Candidate
+from bondgraph.diagnosis.journal import Plain, fingerprint
+from bondgraph.diagnosis.posing import light, thinned
+from bondgraph.diagnosis.trying import Start, Trial, restored
+from bondgraph.diagnosis.workers import Work, Workshop
+from bondgraph.fitting.estimate import FittedModel
+
+
+@dataclass(slots=True)
+class Bench:
+    """The base model of a round and the workshop that tries hypotheses on it."""
+
+    base: FittedModel
+    shop: Workshop
+    name: str
+    few: FittedModel
+    id: str
+
+    @classmethod
+    def of(cls, base: FittedModel, shop: Workshop, name: str) -> "Bench":
+        """Return the bench for a base model; `name` is of the round, for progress."""
+        problem = base.problem
+        told = fingerprint(
+            base.graph, base.optimum.theta, base.optimum.initial, problem.sigma,
+            problem.start, problem.shots.time, problem.shots.inputs,
+            problem.shots.outputs, problem.shots.edges, base.settings,
+        )  # fmt: skip
+        return cls(base, shop, name, thinned(base), told)
+
+    def run(
+        self, work: Work, trials: Sequence[Trial], what: str, *, few: bool = False
+    ) -> list[Plain]:
+        """Do a piece of work for every trial, on few data or on all."""
+        common = light(self.few if few else self.base)
+        keys = [f"{work.__name__} {self.id} {_told(trial)}" for trial in trials]
+        return self.shop.each(work, common, trials, keys, f"{self.name}: {what}")
+
+    def candidates(
+        self, trials: Sequence[Trial], results: Sequence[Plain]
+    ) -> list[Candidate]:
+        """Return the fitted models that fits of `trials` have ended in."""
+        return [
+            Candidate(trial.hypothesis, restored(self.base, ended(trial, result)))
+            for trial, result in zip(trials, results, strict=True)
+            if "refused" not in result
+        ]
+
+
+def _told(trial: Trial) -> str:
+    starts = [(sorted(s.values.items()), s.initial) for s in trial.starts]
+    states = [np.zeros(0) if initial is None else initial for _, initial in starts]
+    values = [v for v, _ in starts]
+    return fingerprint(trial.hypothesis, values, trial.enough, trial.chunks, *states)
+
+
+def ended(trial: Trial, result: Plain) -> Trial:
+    """Return the trial that starts where the fit of another ended."""
+    start = Start(result["values"], np.array(result["initial"]))
+    return Trial(trial.hypothesis, (start,), chunks=trial.chunks)

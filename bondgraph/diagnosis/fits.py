@@ -1,0 +1,127 @@
+"""Fits: the hypotheses that promise most, briefly on few data, then fully on all.
+
+What seems a worse law may be a fit that ended too early. A wider law's values without
+its additions, a narrower one's with them, and the same law's at another place are
+better starts; every candidate is refitted from relatives that fit better.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bondgraph.diagnosis.bench import Bench
+from bondgraph.diagnosis.candidates import Candidate, Promised
+from bondgraph.diagnosis.trying import Start, Trial, fit_briefly, fit_fully
+from bondgraph.physics.hypothesis import Hypothesis
+
+RELATIVE_BETTER = 0.99
+KEPT_PROMISE = 0.8
+"""A short fit that keeps this share of what was promised needs no other start."""
+
+WIDER = 4
+"""Laws that contain the leading one are tried from its optimum, at most so many."""
+
+
+def fit_best(
+    bench: Bench, promised: Sequence[Promised], keep: float, most: int
+) -> list[Candidate]:
+    """Fit hypotheses briefly, and those that lead to the end, on all data.
+
+    Parameters
+    ----------
+    keep
+        Share of the leading reduction that a hypothesis must reach to be kept.
+    most
+        How many are kept.
+    """
+    hypotheses = [one.hypothesis for one in promised]
+    trials = [
+        Trial(one.hypothesis, enough=KEPT_PROMISE * one.reduction) for one in promised
+    ]
+    brief = bench.run(fit_briefly, trials, "short fits", few=True)
+    base_cost = bench.few.optimum.cost
+    reached = [
+        (1.0 - result["cost"] / base_cost, hypothesis, result)
+        for hypothesis, result in zip(hypotheses, brief, strict=True)
+        if "refused" not in result
+    ]
+    if not reached:
+        return []
+    reached.sort(key=lambda one: -one[0])
+    least = keep * reached[0][0]
+    kept = [one for one in reached if one[0] >= least][:most]
+    same = bench.few is bench.base
+    starts = [
+        Trial(h, (Start(r["values"], np.array(r["initial"]) if same else None),))
+        for _, h, r in kept
+    ]
+    fitted = bench.run(fit_fully, starts, "fits")
+    return _related(bench, bench.candidates(starts, fitted), hypotheses)
+
+
+def _related(
+    bench: Bench, candidates: list[Candidate], hypotheses: Sequence[Hypothesis]
+) -> list[Candidate]:
+    """Return the candidates, each refitted from relatives that fit better.
+
+    Laws that contain the leading one are tried from its optimum, even where they were
+    not kept.
+    """
+    if not candidates:
+        return []
+    trials = [
+        Trial(own.hypothesis, (_from_relative(own, other),))
+        for own in candidates
+        for other in candidates
+        if _cost(other) < RELATIVE_BETTER * _cost(own) and _akin(own, other)
+    ]
+    leading = min(candidates, key=_cost)
+    kept = {id(candidate.hypothesis) for candidate in candidates}
+    wider = [
+        h for h in hypotheses if id(h) not in kept and _contains(h, leading.hypothesis)
+    ][:WIDER]
+    there = Start(_shared(leading), leading.fitted.optimum.initial)
+    trials += [Trial(hypothesis, (there,)) for hypothesis in wider]
+    if not trials:
+        return candidates
+    refitted = bench.candidates(trials, bench.run(fit_fully, trials, "relatives"))
+    best = {id(candidate.hypothesis): candidate for candidate in candidates}
+    for candidate in refitted:
+        known = best.get(id(candidate.hypothesis))
+        if known is None or _cost(candidate) < _cost(known):
+            best[id(candidate.hypothesis)] = candidate
+    return list(best.values())
+
+
+def _akin(own: Candidate, other: Candidate) -> bool:
+    """Return whether one law contains the other here, or is the same elsewhere."""
+    a, b = own.hypothesis, other.hypothesis
+    if a.place == b.place:
+        return _contains(a, b) or _contains(b, a)
+    return a.physics == b.physics and own.complexity == other.complexity
+
+
+def _contains(wider: Hypothesis, narrower: Hypothesis) -> bool:
+    return wider.place == narrower.place and narrower.physics in wider.extends
+
+
+def _cost(candidate: Candidate) -> float:
+    return candidate.fitted.optimum.cost
+
+
+def _shared(other: Candidate) -> dict[str, float]:
+    """Return the values that a fit found, to start another from."""
+    problem = other.fitted.problem
+    names = [problem.model.parameter_names[i] for i in problem.free]
+    return dict(zip(names, map(float, other.fitted.optimum.theta), strict=True))
+
+
+def _from_relative(own: Candidate, other: Candidate) -> Start:
+    """Return a start at the other's values, with the own ones where they differ."""
+    shared = {**_shared(own), **_shared(other)}
+    twins = zip(own.hypothesis.parameters, other.hypothesis.parameters, strict=False)
+    for name, twin in twins:
+        # A coefficient without a unit is the same seen from either side of a gear.
+        if name != twin and own.fitted.graph.parameters[name].unit == "1":
+            shared[name] = shared[twin]
+    return Start(shared, other.fitted.optimum.initial)

@@ -1,0 +1,64 @@
+"""Judging: the fitted candidates on data they were not fitted to, twins together."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bondgraph.diagnosis.bench import Bench
+from bondgraph.diagnosis.candidates import Candidate
+from bondgraph.diagnosis.decision import Judged, Rule, judge
+from bondgraph.diagnosis.evidence import LeftOutErrors, chunk_count, left_out_errors
+from bondgraph.diagnosis.trying import Start, Trial, errors_left_out
+
+TWINS = 1e-3
+"""Candidates whose residuals differ by less than this share predict the same."""
+
+
+def judge_all(
+    bench: Bench, worth: Sequence[Candidate], tried: int, rule: Rule
+) -> list[Judged]:
+    """Judge candidates on left-out data; twins share their errors.
+
+    Parameters
+    ----------
+    tried
+        How many hypotheses these are the best of.
+    """
+    if not worth:
+        return []
+    best = min(worth, key=lambda candidate: candidate.fitted.optimum.cost)
+    chunks = chunk_count(best.fitted)
+    before = left_out_errors(bench.base, chunks)
+    first = [_first_twin(i, worth) for i in range(len(worth))]
+    kinds = sorted(set(first))
+    trials = [
+        Trial(
+            worth[i].hypothesis,
+            (Start(worth[i].fitted.values, worth[i].fitted.optimum.initial),),
+            chunks=chunks,
+        )
+        for i in kinds
+    ]
+    results = bench.run(errors_left_out, trials, "judging")
+    errors = {
+        i: LeftOutErrors(np.array(result["chunks"]))
+        for i, result in zip(kinds, results, strict=True)
+    }
+    return [
+        judge(candidate, before, errors[i], tried, rule)
+        for i, candidate in zip(first, worth, strict=True)
+    ]
+
+
+def _first_twin(index: int, candidates: Sequence[Candidate]) -> int:
+    """Return the index of the first candidate that predicts the same."""
+    own = candidates[index]
+    residuals = own.fitted.optimum.linearisation.residuals
+    size = float(np.linalg.norm(residuals))
+    for i, other in enumerate(candidates[:index]):
+        if other.complexity != own.complexity:
+            continue
+        difference = residuals - other.fitted.optimum.linearisation.residuals
+        if float(np.linalg.norm(difference)) <= TWINS * size:
+            return i
+    return index

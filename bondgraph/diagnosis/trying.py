@@ -1,0 +1,176 @@
+"""What is done with one hypothesis: a promise, a fit, its errors on left-out data.
+
+Each is a pure function of the base model and one `Trial`, returns plain data, and can
+be run anywhere (`workers`).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.diagnosis.evidence import left_out_errors
+from bondgraph.diagnosis.journal import Plain
+from bondgraph.diagnosis.posing import initial_states, pose_hypothesis, thetas
+from bondgraph.errors import BondGraphError
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.fitting.levenberg_marquardt import (
+    Optimum,
+    minimise,
+    promised_reduction,
+    settle,
+)
+from bondgraph.fitting.problem import FitProblem
+from bondgraph.physics.hypothesis import Hypothesis
+
+Array = NDArray[np.float64]
+PROMISE_ITERATIONS = 2
+SHORT_ITERATIONS = 5
+FULL_ITERATIONS = 30
+SETTLE_ITERATIONS = 6
+TOLERANCE = 1e-4
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """Where a fit starts: values by name before those of the base fit.
+
+    Initial states are fitted anew where there are none, or none that fit.
+    """
+
+    values: Mapping[str, float]
+    initial: Array | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A hypothesis and where its fit starts.
+
+    Parameters
+    ----------
+    starts
+        Those of the hypothesis where there are none.
+    enough
+        A fit that takes away this share of the base's cost needs no other start.
+    chunks
+        Into how many the data are dealt, for errors on left-out data.
+    """
+
+    hypothesis: Hypothesis
+    starts: tuple[Start, ...] = ()
+    enough: float = 1.0
+    chunks: int = 0
+
+
+def promise(base: FittedModel, trial: Trial) -> Plain:
+    """Return the share of the base's cost that a hypothesis promises to take away.
+
+    Where the base model is nested in it, the decrease of the linearised problem, with
+    all other parameters and the initial states refitted: one simulation for each of the
+    starts at which it has no effect (a score test, with shape parameters tried at
+    several values: Davies, Biometrika 64, 1977). Else, what two steps of a fit reach.
+    """
+    hypothesis = trial.hypothesis
+    silent = hypothesis.silent_starts
+
+    def promised() -> Plain:
+        problem = pose_hypothesis(base, hypothesis)
+        initial = initial_states(base, problem.model.state_names)
+        if silent:
+            tried = thetas(base, hypothesis, problem, silent)
+            found = [promised_reduction(problem, theta, initial) for theta in tried]
+            return {"promised": max(found)}
+        best = _best(base, trial, problem, PROMISE_ITERATIONS)
+        return {"promised": float(1.0 - best.cost / base.optimum.cost)}
+
+    return _or_refused(promised)
+
+
+def fit_briefly(base: FittedModel, trial: Trial) -> Plain:
+    """Return the best of short fits from every start of the trial."""
+    return _or_refused(lambda: _fitted(base, trial, SHORT_ITERATIONS))
+
+
+def fit_fully(base: FittedModel, trial: Trial) -> Plain:
+    """Return the best of fits to the end from every start of the trial."""
+    return _or_refused(lambda: _fitted(base, trial, FULL_ITERATIONS))
+
+
+def _or_refused(work: Any) -> Plain:
+    """Return what the work gives, or why it is refused: one of many may fail."""
+    try:
+        result: Plain = work()
+    except BondGraphError as error:
+        return {"refused": str(error)}
+    return result
+
+
+def _fitted(base: FittedModel, trial: Trial, iterations: int) -> Plain:
+    problem = pose_hypothesis(base, trial.hypothesis)
+    best = _best(base, trial, problem, iterations)
+    names = [problem.model.parameter_names[i] for i in problem.free]
+    return {
+        "values": dict(zip(names, map(float, best.theta), strict=True)),
+        "initial": best.initial.tolist(),
+        "cost": best.cost,
+        "converged": best.converged,
+    }
+
+
+def _best(
+    base: FittedModel, trial: Trial, problem: FitProblem, iterations: int
+) -> Optimum:
+    """Return the best of fits from every start, or the first that is good enough."""
+    best: Optimum | None = None
+    for theta, initial in _begin(base, trial, problem):
+        found = minimise(
+            problem, theta, initial, iterations=iterations, tolerance=TOLERANCE
+        )
+        if best is None or found.cost < best.cost:
+            best = found
+        if best.cost <= (1.0 - trial.enough) * base.optimum.cost:
+            break
+    if best is None or not np.isfinite(best.cost):
+        name = f"{trial.hypothesis.physics} at {trial.hypothesis.place}"
+        raise BondGraphError(f"{name} could not be simulated.", (name,))
+    return best
+
+
+def _begin(
+    base: FittedModel, trial: Trial, problem: FitProblem
+) -> list[tuple[Array, Array]]:
+    hypothesis = trial.hypothesis
+    own = initial_states(base, problem.model.state_names)
+    if not trial.starts:
+        starts = thetas(base, hypothesis, problem, hypothesis.starts)
+        return [(theta, own) for theta in starts]
+    begin = []
+    for start in trial.starts:
+        (theta,) = thetas(base, hypothesis, problem, (start.values,))
+        states = start.initial
+        if states is None or states.shape != own.shape:
+            states, _ = settle(problem, theta, own, SETTLE_ITERATIONS)
+        begin.append((theta, states))
+    return begin
+
+
+def restored(base: FittedModel, trial: Trial) -> FittedModel:
+    """Return the fitted model whose optimum is the trial's one start.
+
+    One simulation: a fit is told by its parameters and initial states alone.
+    """
+    problem = pose_hypothesis(base, trial.hypothesis)
+    ((theta, initial),) = _begin(base, trial, problem)
+    optimum = replace(
+        minimise(problem, theta, initial, iterations=0), iterations=1, converged=True
+    )
+    graph = trial.hypothesis.apply(base.graph)
+    return replace(base, graph=graph, problem=problem, optimum=optimum)
+
+
+def errors_left_out(base: FittedModel, trial: Trial) -> Plain:
+    """Return the errors, chunk by chunk, on data that the model was not fitted to."""
+    fitted = restored(base, trial)
+    return {"chunks": left_out_errors(fitted, trial.chunks).chunks.tolist()}
