@@ -7,7 +7,8 @@ corrections that the printed margins need:
 
 - the driver's fast pole is 1.61e6 rad/s (eq. 4.36), not 1.16e6 (eq. 5.10 ff., two
   digits swapped);
-- the filter's cut-off is 25 Hz (section 3.4), not 25 rad/s (eq. 5.11 ff.).
+- the filter's cut-off is 25 Hz (section 3.4), not 25 rad/s (eq. 5.11, 5.15, 5.19 and
+  5.23).
 
 The numerators of eq. 5.10 to 5.22 need a third number that is not printed. With
 controllers in ampere per radian and a driver scaling that makes one ampere of command

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EquationOfMotion:
-    """M q̈ + h + G = τ at one posture and speed, rows in the order of `joints`.
+    """M q̈ + h + G = τ (eq. 4.1) at one posture, rows in the order of `joints`.
 
     ``mass`` in kg·m², ``velocity`` (h) and ``gravity`` (G) in N·m.
     """

@@ -2,9 +2,10 @@
 
 In flight the support is held and the links hang from it (eq. 5.3 to 5.5); in stance the
 foot is held and everything above it is carried (eq. 5.6 to 5.8); the counterweight
-pulls the support up (eq. 6.5). Here they are the derivatives of one potential: the
-weights are effort sources of `flegx_models.jump.leg_graph`, and the torque that holds a
-joint is what they leave on it at rest.
+pulls the support up (eq. 6.5). The torques are the motors', on absolute angles, which
+is what eq. 5.1 and 5.2 make of the relative ones. Here they are the derivatives of one
+potential: the weights are effort sources of `flegx_models.jump.leg_graph`, and the
+torque that holds a joint is what they leave on it at rest.
 
 Three degrees of freedom carry three forces. In stance the ground's push is the third:
 it balances the support. The thesis's virtual work, and this, leave the foot free to

@@ -6,6 +6,10 @@ support by the modulus -2 L sin θ of their own angle. Around θ0 of the lower l
 -2 L sin θ0 (eq. 4.21), around -θ0 of the upper leg +2 L sin θ0 (eq. 4.20): the sign of
 the upper leg's printed transformer comes from its negative angle.
 
+The thesis goes by the places and speeds of support and tip (eq. 4.13 to 4.15, 4.17 to
+4.19) and finds the lever a second time from forces (eq. 4.22 to 4.24); a transformer
+carries both.
+
 `printed_point` is where the printed models were linearised. Like those models, these
 leave out gravity, which the control compensates, and everything that
 `flegx_models.planar_leg` keeps.

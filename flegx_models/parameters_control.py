@@ -1,14 +1,15 @@
 """The printed numbers of sections 4.4 and 4.5 and of chapters 5 and 6, with sources.
 
 `CONTROL` holds what the thesis prints about motor driver, loop, controllers, gravity
-feed-forward and jump, results as well as data, and nothing inferred. `CHOSEN` holds the
+feed-forward and jump, results as well as data, and two numbers inferred from printed
+results, whose sources say so. `CHOSEN` holds the
 few numbers that a simulation of the jump needs and the thesis does not print: each is
 an assumption with its reason, and none was adjusted to make a result appear.
 """
 
 import math
 
-from bondgraph import Assumed, Parameter, ParameterSet, Published
+from bondgraph import Assumed, Parameter, ParameterSet, Published, Reconciled
 
 _THESIS = "FlegX thesis"
 _UNIFORM = 1 / math.sqrt(3)
@@ -86,8 +87,6 @@ _JUMP: tuple[_Row, ...] = (
     ("knee_speed", 1.5, "rad/s", 0.05, "section 6.2: double that of the hip"),
     ("squat_time", 0.4, "s", 0.05, "section 6.2"),
     ("flight_time", 0.2, "s", 0.05, "section 6.2: half the squat period"),
-    ("L_gravity", 0.30, "m", 0.005, "eq. 5.4: 4.26 needs it"),
-    ("m_support_gravity", 7.6, "kg", 0.05, "eq. 5.7: 25.59 and 29.24 need it"),
     ("driver_current", 10.0, "A", 0.0, "section 2.1.4: ESCON 70/10, 10 A"),
     ("sampling", 400.0, "Hz", 0.0, "section 3.4"),
 )
@@ -102,6 +101,17 @@ def _parameter(row: _Row) -> Parameter:
         std=rounding * _UNIFORM,
         rounding=rounding,
         source=Published(f"{_THESIS}, {where}"),
+    )
+
+
+def _inferred(name: str, value: float, unit: str, half: float, why: str) -> Parameter:
+    return Parameter(
+        name=name,
+        value=value,
+        unit=unit,
+        std=half * _UNIFORM,
+        rounding=half,
+        source=Reconciled(why),
     )
 
 
@@ -124,9 +134,17 @@ CONTROL = ParameterSet(
     (
         *map(_parameter, (*_MOTOR, *_GRAVITY, *_LOOPS, *_JUMP)),
         *(parameter for row in _CONTROLLERS for parameter in _controller(row)),
+        _inferred("L_gravity", 0.30, "m", 0.005, "eq. 5.4 prints 4.26, which needs it"),
+        _inferred(
+            "m_support_gravity",
+            7.6,
+            "kg",
+            0.05,
+            "eq. 5.7 prints 25.59 and 29.24, which need it; section 3.3.1 weighs 6.6.",
+        ),
     )
 )
-"""The numbers of sections 4.4 and 4.5 and of chapters 5 and 6 as printed."""
+"""The numbers of sections 4.4 and 4.5 and of chapters 5 and 6."""
 
 
 def _chosen(name: str, value: float, unit: str, reason: str) -> Parameter:

@@ -1,5 +1,7 @@
 """The transfer functions as the thesis prints them, kept beside the derived ones.
 
+Gains stand in eq. 4.7, 4.12, 4.30 and 4.35, poles in eq. 5.9, 5.13, 5.17 and 5.21.
+
 The printed gains are N / J and are explained by `flegx_models.parameters.RECONCILED`.
 
 The printed friction poles do not follow from the thesis's own component equations. On

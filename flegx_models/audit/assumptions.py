@@ -43,7 +43,8 @@ def remarks() -> Iterator[Remark]:
     yield Remark(
         where="eq. 4.1",
         statement=f"At the squat's speed h(q, q̇) makes at most "
-        f"{100 * shares['h']:.0f} % of the acceleration that the motor's nominal torque makes; G(q), uncompensated, "
+        f"{100 * shares['h']:.0f} % of the acceleration that the motor's nominal "
+        f"torque makes; G(q), uncompensated, "
         f"{100 * shares['G']:.0f} %.",
     )
     knee, hip = bending()

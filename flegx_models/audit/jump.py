@@ -45,9 +45,9 @@ def _drive() -> Remark:
         f"{ideal:.0f} N·m at the joint without losses; a worm that cannot be driven "
         f"back has an efficiency of {100 * worm.efficiency:.0f} % at most, and with "
         f"the gearhead's {100 * d['gearhead_maximum_efficiency']:.0f} % "
-        f"{ideal * efficiency:.0f} N·m are left, {peak:.0f} N·m at the gearhead's intermittent limit. The "
-        f"nominal speed gives {speed:.1f} rpm, the gearhead's highest input speed "
-        f"{allowed:.1f}.",
+        f"{ideal * efficiency:.0f} N·m are left, {peak:.0f} N·m at the gearhead's "
+        f"intermittent limit. The nominal speed gives {speed:.1f} rpm, the gearhead's "
+        f"highest input speed {allowed:.1f}.",
     )
 
 
@@ -86,6 +86,6 @@ def _inertia_of_the_counterweight() -> Remark:
         statement=f"The counterweight is said to ask for a slight reduction of the "
         f"controllers' gain. As if the support were 5 kg lighter it is "
         f"{100 * (plain / light - 1):+.0f} % (lower leg); but a mass on a rope is "
-        f"accelerated too, the plant's gain falls from {plain:.2f} to {heavy:.2f}, and the "
-        f"controller's has to rise by {100 * (plain / heavy - 1):.0f} %.",
+        f"accelerated too, the plant's gain falls from {plain:.2f} to {heavy:.2f}, and "
+        f"the controller's has to rise by {100 * (plain / heavy - 1):.0f} %.",
     )

@@ -22,7 +22,7 @@ TOP = 0.4
 
 
 def damping_factor(decrement: float) -> float:
-    """Return ζ = δ/√(4π² + δ²) of a logarithmic decrement per period.
+    """Return ζ = δ/√(4π² + δ²) of a decrement per period (eq. 3.32, corrected).
 
     Parameters
     ----------

@@ -1,8 +1,9 @@
 """The three branches of a torque sensor from a recording of voltage and torque.
 
 The thesis divides the samples by the voltage's last reversal and fits each group on its
-own (section 3.2.1). For transitions that end where they meet the line, that division is
-only a start: all five numbers are then fitted to the whole recording.
+own (section 3.2.1; eq. 3.22 and 3.23 are the knee's one line and its two). For
+transitions that end where they meet the line, that division is only a start: all five
+numbers are then fitted to the whole recording.
 """
 
 from dataclasses import dataclass, replace

@@ -1,8 +1,8 @@
 """Mass, centre, inertia and friction of a swinging part.
 
 Hung horizontally, a part's weight gives a torque m g L_cm; let free, it swings with
-I θ'' + c θ' + m g L_cm sin θ = 0 (eq. 3.25). Frequency and decay of the swing then give
-the inertia and the friction.
+I θ'' + c θ' + m g L_cm sin θ = 0 (eq. 3.25, 3.26). Frequency and decay of the
+swing then give the inertia and the friction.
 
 What the thesis prints and what is right
 ----------------------------------------
