@@ -22,6 +22,16 @@ RELATIVE_DECREASE = 1e-6
 LARGEST_DAMPING = 1e9
 SETTLED = 1e-6
 WORSE = 1.01
+UNFORESEEN = 1.2
+GAUSS_NEWTON = 1e-3
+"""Damping below which a step is the undamped one, and its promise the whole one."""
+
+EXACT = 1e-4
+"""A promise of this part of a decrease worth taking ends the iteration at once."""
+
+TOLD_STD = 0.1
+"""No step shorter than this, in standard deviations of a white fit, is worth taking."""
+
 REPAIR_ITERATIONS = 4
 
 
@@ -43,8 +53,15 @@ class Optimum:
 
 @dataclass(frozen=True, slots=True)
 class _Step:
+    """A step with the cost of every window, and the decrease of the sum, it promises.
+
+    Both are those of the linearised problem.
+    """
+
     theta: Array
     initial: Array
+    promised: Array
+    decrease: float
 
 
 def settle(
@@ -97,7 +114,6 @@ def _choose(
     rows = np.repeat(take, np.diff(problem.shots.edges))
     return Linearisation(
         np.where(rows[:, None], new.residuals, old.residuals),
-        np.where(rows[:, None, None], new.jacobian, old.jacobian),
         np.where(take[:, None, None], new.hessian, old.hessian),
         np.where(take[:, None], new.slope, old.slope),
         np.where(take, new.cost, old.cost),
@@ -108,12 +124,15 @@ def _choose(
 def _repair(
     problem: FitProblem, step: _Step, new: Linearisation, initial: Array, old: Array
 ) -> tuple[_Step, Linearisation]:
-    """Settle the windows that a step made worse, from the states they had before.
+    """Settle the windows that a step made worse than promised, from where they were.
 
     One window in which friction sticks where it slid would otherwise refuse a step that
-    is right for all others.
+    is right for all others. A window that ends as the linearised problem says is none
+    of these, even if the others gain at its cost.
     """
-    worse = np.flatnonzero(~(new.cost <= WORSE * old))
+    worse = np.flatnonzero(
+        ~(new.cost <= np.maximum(WORSE * old, UNFORESEEN * step.promised))
+    )
     if len(worse) == 0 or problem.model.n_states == 0:
         return step, new
     part = replace(problem, shots=problem.shots.subset(worse))
@@ -128,13 +147,12 @@ def _repair(
     rows, part_rows = np.repeat(take, sizes), np.repeat(better, sizes[worse])
     merged = Linearisation(
         _put(new.residuals, rows, at.residuals[part_rows]),
-        _put(new.jacobian, rows, at.jacobian[part_rows]),
         _put(new.hessian, take, at.hessian[better]),
         _put(new.slope, take, at.slope[better]),
         _put(new.cost, take, at.cost[better]),
         _put(new.states, rows, at.states[part_rows]),
     )
-    return _Step(step.theta, chosen), merged
+    return replace(step, initial=chosen), merged
 
 
 def _put(whole: Array, where: NDArray[np.bool_], values: Array) -> Array:
@@ -150,7 +168,7 @@ def minimise(
     initial: Array,
     *,
     iterations: int = 40,
-    tolerance: float = RELATIVE_DECREASE,
+    tolerance: float | None = None,
     settled: Linearisation | None = None,
 ) -> Optimum:
     """Fit the free parameters and all initial states.
@@ -160,20 +178,26 @@ def minimise(
     theta, initial
         Where to start.
     tolerance
-        Two decreases of the cost below this share of it end the iteration.
+        Two decreases of the cost below this share of it end the iteration, or an
+        undamped step that promises next to nothing; where None, the share that
+        `TOLD_STD` is worth among so many samples, and at most 1e-6.
     settled
         The linearisation there, when it is known already.
     """
     here = linearise_windows(problem, theta, initial) if settled is None else settled
-    cost = _total(problem, here, theta)
+    cost = total_cost(problem, here, theta)
+    told = TOLD_STD**2 / int(problem.measured.sum())
+    share = min(RELATIVE_DECREASE, told) if tolerance is None else tolerance
     damping, small, done = 1e-4, 0, 0
     for done in range(1, iterations + 1):
         step = _step(problem, here, theta, initial, damping)
+        if damping <= GAUSS_NEWTON and 0.0 <= step.decrease <= EXACT * share * cost:
+            return Optimum(theta, initial, here, cost, done, converged=True)
         new = linearise_windows(problem, step.theta, step.initial)
         step, new = _repair(problem, step, new, initial, here.cost)
-        new_cost = _total(problem, new, step.theta)
+        new_cost = total_cost(problem, new, step.theta)
         if new_cost < cost:
-            small = small + 1 if cost - new_cost <= tolerance * cost else 0
+            small = small + 1 if cost - new_cost <= share * cost else 0
             theta, initial, here, cost = step.theta, step.initial, new, new_cost
             damping = max(damping / 8, 1e-12)
             if small >= 2 or cost == 0.0:
@@ -188,7 +212,8 @@ def minimise(
     return Optimum(theta, initial, here, cost, done, converged=False)
 
 
-def _total(problem: FitProblem, at: Linearisation, theta: Array) -> float:
+def total_cost(problem: FitProblem, at: Linearisation, theta: Array) -> float:
+    """Return the cost of all windows and of what is known beforehand."""
     prior, _ = prior_residuals(problem, theta)
     return float(at.cost.sum() + prior @ prior)
 
@@ -201,7 +226,20 @@ def _step(
     reduced = np.maximum(np.diag(normal.hessian), 1e-12 * normal.diagonal)
     hessian = normal.hessian + damping * np.diag(reduced)
     move = _bounded(problem, hessian, normal.slope, theta)
-    return _Step(theta + move, initial + normal.offset - normal.gain @ move)
+    shift = normal.offset - normal.gain @ move
+    promised = _promised(at, move, shift)
+    before, _ = prior_residuals(problem, theta)
+    after, _ = prior_residuals(problem, theta + move)
+    decrease = float((at.cost - promised).sum() + before @ before - after @ after)
+    return _Step(theta + move, initial + shift, promised, decrease)
+
+
+def _promised(at: Linearisation, move: Array, shift: Array) -> Array:
+    """Return the cost of each window after a step, in the linearised problem."""
+    whole = np.column_stack([np.broadcast_to(move, (len(shift), len(move))), shift])
+    curved = np.einsum("wi,wij,wj->w", whole, at.hessian, whole)
+    promised: Array = at.cost - 2.0 * (at.slope * whole).sum(axis=1) + curved
+    return promised
 
 
 @dataclass(frozen=True, slots=True)
@@ -243,7 +281,7 @@ def promised_reduction(problem: FitProblem, theta: Array, initial: Array) -> flo
     One simulation; what a score test would use. Negative where it cannot be simulated.
     """
     at = linearise_windows(problem, theta, initial)
-    cost = _total(problem, at, theta)
+    cost = total_cost(problem, at, theta)
     if not np.isfinite(cost) or cost <= 0.0:
         return -1.0
     normal = _reduced(problem, at, theta, 1e-9)

@@ -10,16 +10,21 @@ Each window's initial state is eliminated from the normal equations (Schur compl
 so the cost is linear in the number of windows.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.fitting.loss import Loss, SquaredError, cost_of, weight_of
+from bondgraph.fitting.noise import whitened
 from bondgraph.numeric.model import NumericModel
-from bondgraph.simulation.shooting import Shots, shoot
+from bondgraph.simulation.shooting import Shooting, Shots, shoot
 from bondgraph.simulation.solvers import Hold, Solver
 
 Array = NDArray[np.float64]
+PART_NUMBERS = 4_000_000
+"""Sensitivities held at a time: 32 megabytes, and as much again while they are used."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,6 +43,10 @@ class FitProblem:
         Standard deviation of what is known beforehand; inf where nothing is.
     sigma
         Residual scale per output.
+    loss
+        What a scaled residual costs.
+    correlation
+        φ per output of first-order coloured noise; zeros for white noise.
     """
 
     model: NumericModel
@@ -50,6 +59,8 @@ class FitProblem:
     sigma: Array
     solver: Solver
     hold: Hold
+    loss: Loss = field(default_factory=SquaredError)
+    correlation: Array = field(default_factory=lambda: np.zeros(1))
 
     @property
     def measured(self) -> NDArray[np.int64]:
@@ -59,69 +70,139 @@ class FitProblem:
 
     def with_parameters(self, theta: Array) -> Array:
         """Return all parameter values with the free ones set to `theta`."""
-        values = self.start.copy()
+        # A start given in whole numbers must not round what is fitted.
+        values = self.start.astype(np.float64)
         values[self.free] = theta
         return values
 
 
 @dataclass(frozen=True, slots=True)
 class Linearisation:
-    """Residuals and the derivatives of the simulation at one point.
+    """Residuals and the normal equations of the simulation at one point.
 
     Parameters
     ----------
-    residuals, jacobian
-        Scaled; (n, ny) and (n, ny, nq + nx), zero where nothing was measured. The
-        derivatives are those of the *simulation*, so a step solves ``J step = r``.
+    residuals
+        Measured minus simulated over σ, (n, ny); zero where nothing was measured.
     hessian, slope, cost
-        JᵀJ, Jᵀr and rᵀr per window; the cost is inf where the simulation failed.
+        JᵀWJ, JᵀWr and Σρ per window, of whitened residuals with the loss's weights; J
+        is the derivative of the *simulation*, so a step solves ``JᵀWJ step = JᵀWr``.
+        The cost is inf where the simulation failed.
     states
         Simulated states, (n, nx).
     """
 
     residuals: Array
-    jacobian: Array
     hessian: Array
     slope: Array
     cost: Array
     states: Array
 
 
-def linearise_windows(
-    problem: FitProblem, theta: Array, initial: Array
-) -> Linearisation:
-    """Simulate all windows with sensitivities and form the weighted residuals."""
-    from bondgraph.numeric.kernel import normal_blocks  # noqa: PLC0415  (loads numba)
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A run of windows, simulated with sensitivities.
 
-    shots, model = problem.shots, problem.model
+    Parameters
+    ----------
+    windows, rows
+        Which windows, and their samples.
+    residuals
+        Scaled, not whitened; (m, ny).
+    errors, jacobian
+        Scaled and whitened, (m, ny) and (m, ny, nq + nx); zero where not measured.
+    """
+
+    windows: slice
+    rows: slice
+    shots: Shots
+    shot: Shooting
+    residuals: Array
+    errors: Array
+    jacobian: Array
+
+
+def parts(problem: FitProblem, theta: Array, initial: Array) -> Iterator[Part]:
+    """Yield all windows, simulated, so many at a time that memory stays small.
+
+    The sensitivities of a million samples are never held together.
+    """
+    shots = problem.shots
+    nd = len(problem.free) + problem.model.n_states
+    most = max(PART_NUMBERS // max(nd * len(problem.sigma), 1), 1)
+    edges = np.array(shots.edges, dtype=np.int64)
+    first = 0
+    while first < shots.n_windows:
+        last = int(np.searchsorted(edges, edges[first] + most, side="right")) - 1
+        last = min(max(last, first + 1), shots.n_windows)
+        yield _part(problem, theta, initial, slice(first, last))
+        first = last
+
+
+def _part(problem: FitProblem, theta: Array, initial: Array, windows: slice) -> Part:
+    edges = problem.shots.edges[windows.start : windows.stop + 1]
+    rows = slice(edges[0], edges[-1])
+    shots = Shots(
+        problem.shots.time[rows],
+        problem.shots.inputs[rows],
+        problem.shots.outputs[rows],
+        tuple(edge - edges[0] for edge in edges),
+    )
     shot = shoot(
-        model,
+        problem.model,
         shots,
         parameters=problem.with_parameters(theta),
-        initial=initial,
+        initial=initial[windows],
         directions=problem.free,
         solver=problem.solver,
         hold=problem.hold,
     )
     measured = np.isfinite(shots.outputs)
-    error = (shots.outputs - shot.outputs) / problem.sigma
-    residuals = np.where(measured, error, 0.0)
+    residuals = (shots.outputs - shot.outputs) / problem.sigma
     jacobian = shot.sensitivities / problem.sigma[:, None]
     if not measured.all():
+        residuals = np.where(measured, residuals, 0.0)
         jacobian = np.where(measured[..., None], jacobian, 0.0)
-    windows, nd = shots.n_windows, jacobian.shape[2]
-    hessian, slope = np.zeros((windows, nd, nd)), np.zeros((windows, nd))
-    cost = np.zeros(windows)
-    edges = np.array(shots.edges, dtype=np.int64)
-    normal_blocks(jacobian, residuals, edges, hessian, slope, cost)
-    fine = shot.completed & np.isfinite(cost) & np.isfinite(hessian).all(axis=(1, 2))
-    return Linearisation(
+    phi = problem.correlation
+    return Part(
+        windows,
+        rows,
+        shots,
+        shot,
         residuals,
-        jacobian,
-        hessian,
-        slope,
-        np.where(fine, cost, np.inf),
-        shot.states,
+        whitened(residuals, phi, shots.edges, measured),
+        whitened(jacobian, phi, shots.edges, measured),
+    )
+
+
+def linearise_windows(
+    problem: FitProblem, theta: Array, initial: Array
+) -> Linearisation:
+    """Simulate all windows with sensitivities and form the normal equations."""
+    from bondgraph.numeric.kernel import normal_blocks  # noqa: PLC0415  (loads numba)
+
+    shots, model = problem.shots, problem.model
+    count, nd = shots.n_windows, len(problem.free) + model.n_states
+    residuals = np.zeros_like(shots.outputs)
+    states = np.zeros((len(shots.time), model.n_states))
+    hessian, slope = np.zeros((count, nd, nd)), np.zeros((count, nd))
+    cost = np.zeros(count)
+    for part in parts(problem, theta, initial):
+        at = part.windows
+        residuals[part.rows], states[part.rows] = part.residuals, part.shot.states
+        errors, jacobian = part.errors, part.jacobian
+        if not isinstance(problem.loss, SquaredError):
+            root = np.sqrt(weight_of(problem.loss, errors**2))
+            errors, jacobian = errors * root, jacobian * root[..., None]
+        edges = np.array(part.shots.edges, dtype=np.int64)
+        normal_blocks(jacobian, errors, edges, hessian[at], slope[at], cost[at])
+        if not isinstance(problem.loss, SquaredError):
+            own = cost_of(problem.loss, part.errors**2).sum(axis=1)
+            cost[at] = np.add.reduceat(own, edges[:-1])
+        cost[at] = np.where(part.shot.completed, cost[at], np.inf)
+    fine = np.isfinite(cost) & np.isfinite(hessian).all(axis=(1, 2))
+    return Linearisation(
+        residuals, hessian, slope, np.where(fine, cost, np.inf), states
     )
 
 

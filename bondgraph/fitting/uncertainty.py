@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from bondgraph.fitting.levenberg_marquardt import Optimum
 from bondgraph.fitting.problem import (
     FitProblem,
+    parts,
     prior_residuals,
     truncated_inverse,
 )
@@ -43,13 +44,18 @@ def uncertainty(problem: FitProblem, optimum: Optimum) -> Uncertainty:
     _, weight = prior_residuals(problem, optimum.theta)
     own = truncated_inverse(at.hessian[:, nq:, nq:])
     gain = own @ at.hessian[:, nq:, :nq]
-    windows = np.repeat(np.arange(len(gain)), np.diff(problem.shots.edges))
-    projected = at.jacobian[:, :, :nq] - np.einsum(
-        "njx,nxq->njq", at.jacobian[:, :, nq:], gain[windows]
-    )
-    flat = projected.reshape(at.residuals.size, nq)
-    data = flat.T @ flat
-    scores = np.einsum("njq,nj->nq", projected, at.residuals)
+    data, pieces = np.zeros((nq, nq)), []
+    for part in parts(problem, optimum.theta, optimum.initial):
+        windows = np.repeat(
+            np.arange(len(part.shots.edges) - 1), np.diff(part.shots.edges)
+        )
+        projected = part.jacobian[:, :, :nq] - np.einsum(
+            "njx,nxq->njq", part.jacobian[:, :, nq:], gain[part.windows][windows]
+        )
+        flat = projected.reshape(projected.shape[0] * projected.shape[1], nq)
+        data += flat.T @ flat
+        pieces.append(np.einsum("njq,nj->nq", projected, part.errors))
+    scores = np.concatenate(pieces)
     hessian = data + np.diag(weight**2)
     null = _null_directions(hessian, optimum.theta)
     inverse = truncated_inverse(hessian, UNIDENTIFIABLE)

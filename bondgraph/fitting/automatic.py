@@ -1,0 +1,125 @@
+"""The horizon that suits a machine: whole recordings, or windows found by growing."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.fitting.growing import TOLERANCE, held_weakly, rescaled
+from bondgraph.fitting.horizon import (
+    SHORTEST,
+    Horizon,
+    WholeRecordings,
+    Windows,
+    cut,
+)
+from bondgraph.fitting.levenberg_marquardt import Optimum, minimise
+from bondgraph.fitting.posing import pose
+from bondgraph.fitting.problem import FitProblem
+from bondgraph.fitting.settings import Settings
+from bondgraph.fitting.solving import solve
+from bondgraph.numeric.model import NumericModel
+from bondgraph.recordings.binding import BoundRecording
+from bondgraph.simulation.shooting import shoot
+from bondgraph.structure.graph import FinishedGraph
+
+Array = NDArray[np.float64]
+GROWTH = 1.1
+
+
+def choose_horizon(
+    graph: FinishedGraph,
+    model: NumericModel,
+    recordings: Sequence[BoundRecording],
+    settings: Settings,
+) -> Horizon:
+    """Return whole recordings, or the window that suits an integrating plant."""
+    return automatic_horizon(graph, model, recordings, settings)[0]
+
+
+def automatic_horizon(
+    graph: FinishedGraph,
+    model: NumericModel,
+    recordings: Sequence[BoundRecording],
+    settings: Settings,
+) -> tuple[Horizon, Optimum | None]:
+    """Return the horizon that suits, and the optimum over it where it is known already.
+
+    The window is doubled as long as the residual stays within a tenth of its
+    level over short windows: while measurement noise dominates it is level, and it
+    grows once what the model leaves out accumulates.
+    """
+    whole = WholeRecordings()
+    if model.n_states == 0 or not accumulates(graph, model, recordings, settings):
+        return whole, None
+    problem = pose(graph, model, cut(recordings, whole), settings)
+    longest = max(int(size) for size in np.diff(problem.shots.edges))
+    samples = max(SHORTEST, 6 * model.n_states)
+    best: tuple[Horizon, Optimum | None] = Windows(samples), None
+    lowest, states = math.inf, None
+    theta = problem.start[problem.free]
+    stage = held_weakly(problem, theta)
+    while samples < 2 * longest:
+        last = samples >= longest
+        horizon = whole if last else Windows(samples)
+        shots = problem.shots if last else cut(recordings, horizon)
+        stage = replace(stage, shots=shots)
+        initial = None if states is None else states[list(shots.edges[:-1])]
+        optimum = solve(
+            stage, theta=theta, initial=initial, iterations=15, tolerance=TOLERANCE
+        )
+        if states is None:
+            # The first residual scale was a guess, against which a prior weighs much.
+            stage = rescaled(stage, optimum)
+            optimum = minimise(stage, optimum.theta, optimum.initial, iterations=15)
+        size = _relative_size(stage, optimum, problem.sigma)
+        lowest = min(lowest, size)
+        if not size <= GROWTH * lowest:
+            return best
+        stage = rescaled(stage, optimum)
+        theta, states = optimum.theta, optimum.linearisation.states
+        best, samples = (horizon, optimum), 2 * samples
+    return best
+
+
+def _relative_size(problem: FitProblem, optimum: Optimum, sigma: Array) -> float:
+    """Return the root mean square of the residuals over `sigma`."""
+    if not np.isfinite(optimum.cost):
+        return math.inf
+    own = optimum.linearisation.residuals * problem.sigma / sigma
+    return math.sqrt(float((own**2).sum()) / own.size)
+
+
+def accumulates(
+    graph: FinishedGraph,
+    model: NumericModel,
+    recordings: Sequence[BoundRecording],
+    settings: Settings,
+) -> bool:
+    """Return whether the effect of an initial state on the outputs does not fade.
+
+    True for integrators and unstable plants, judged by the sensitivity of the outputs
+    to the initial state over the longest recording.
+    """
+    longest = max(recordings, key=len)
+    shots = cut([longest], WholeRecordings())
+    problem = pose(graph, model, shots, settings)
+    shot = shoot(
+        model,
+        shots,
+        parameters=problem.start,
+        initial=np.zeros((shots.n_windows, model.n_states)),
+        directions=np.zeros(0, np.int64),
+        solver=settings.solver,
+        hold=settings.hold,
+    )
+    size = np.abs(shot.sensitivities[shots.slices[0]]).max(axis=1)
+    if not np.isfinite(size).all():
+        return True
+    tail = size[-max(len(size) // 10, 1) :].max(axis=0)
+    peak = size.max(axis=0)
+    # An oscillation decays; an integrator stays at its peak to the end.
+    ends_level = (tail >= 0.999 * peak) & (peak > 0.0)
+    return bool(ends_level.any())

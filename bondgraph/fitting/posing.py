@@ -1,0 +1,63 @@
+"""From a graph and windows of recordings to a least-squares problem."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.equations.derivation import derive
+from bondgraph.errors import FitError
+from bondgraph.fitting.problem import FitProblem
+from bondgraph.fitting.settings import Settings
+from bondgraph.numeric.model import NumericModel, compile_model
+from bondgraph.simulation.shooting import Shots
+from bondgraph.structure.graph import FinishedGraph
+
+Array = NDArray[np.float64]
+
+
+def prepare(graph: FinishedGraph) -> NumericModel:
+    """Return the numeric form of a graph."""
+    return compile_model(derive(graph))
+
+
+def pose(
+    graph: FinishedGraph,
+    model: NumericModel,
+    shots: Shots,
+    settings: Settings,
+    sigma: Array | None = None,
+) -> FitProblem:
+    """Return the least-squares problem of fitting `graph` to windows of recordings.
+
+    Parameters
+    ----------
+    sigma
+        Residual scale per output; the outputs' standard deviations when None.
+    """
+    if not model.output_names:
+        raise FitError(
+            f"{graph.name!r} measures nothing.",
+            (graph.name,),
+            'Add an output with measure("name", displacement="junction").',
+        )
+    values = graph.parameters.values_by_name()
+    members = [graph.parameters[name] for name in model.parameter_names]
+    free = [i for i, member in enumerate(members) if not member.exact]
+    if sigma is None:
+        spread = np.nanstd(shots.outputs, axis=0)
+        sigma = np.where(spread > 0.0, spread, 1.0)
+    return FitProblem(
+        model=model,
+        shots=shots,
+        start=np.array([values[name] for name in model.parameter_names], dtype=float),
+        free=np.array(free, dtype=np.int64),
+        low=np.array([member.bounds[0] for member in members]),
+        high=np.array([member.bounds[1] for member in members]),
+        prior_std=np.array([member.std or math.inf for member in members]),
+        sigma=sigma,
+        solver=settings.solver,
+        hold=settings.hold,
+        loss=settings.loss,
+        correlation=np.zeros(len(model.output_names)),
+    )

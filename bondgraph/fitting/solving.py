@@ -1,0 +1,107 @@
+"""From start values to an optimum: settle the initial states, approach, descend."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.fitting.growing import first_windows, grow
+from bondgraph.fitting.horizon import SHORTEST
+from bondgraph.fitting.levenberg_marquardt import (
+    Optimum,
+    minimise,
+    settle,
+    total_cost,
+)
+from bondgraph.fitting.multiple_shooting import shoot_multiply
+from bondgraph.fitting.problem import FitProblem
+from bondgraph.fitting.starts import Starts, start_values
+from bondgraph.fitting.strategy import (
+    Direct,
+    GrowingWindows,
+    MultipleShooting,
+    Strategy,
+)
+
+Array = NDArray[np.float64]
+
+
+def solve(
+    problem: FitProblem,
+    *,
+    theta: Array | None = None,
+    initial: Array | None = None,
+    iterations: int = 60,
+    tolerance: float | None = None,
+    strategy: Strategy | None = None,
+) -> Optimum:
+    """Settle the initial states, approach as the strategy says, then fit everything.
+
+    Parameters
+    ----------
+    theta, initial
+        Where to start; the problem's values, and states settled on the first samples.
+    strategy
+        How to come near; at once where None.
+    """
+    start = problem.start[problem.free] if theta is None else theta
+    states = initial if initial is not None else first_guess(problem, start)
+    states, here = settle(problem, start, states)
+    warm = None if strategy is None else approach(problem, start, strategy)
+    if warm is not None:
+        warm_states, there = settle(problem, *warm)
+        if not total_cost(problem, here, start) <= total_cost(problem, there, warm[0]):
+            start, states, here = warm[0], warm_states, there
+    return minimise(
+        problem,
+        start,
+        states,
+        iterations=iterations,
+        tolerance=tolerance,
+        settled=here,
+    )
+
+
+def solve_from(
+    problem: FitProblem, starts: Starts, strategy: Strategy, iterations: int
+) -> Optimum:
+    """Return the best optimum over all starts."""
+    found = [
+        solve(problem, theta=theta, iterations=iterations, strategy=strategy)
+        for theta in start_values(starts, problem)
+    ]
+    return min(found, key=lambda optimum: optimum.cost)
+
+
+def approach(
+    problem: FitProblem, theta: Array, strategy: Strategy
+) -> tuple[Array, Array] | None:
+    """Return parameters and initial states near the optimum; None for no advice."""
+    longest = max(np.diff(problem.shots.edges))
+    if not len(problem.free) or problem.model.n_states == 0:
+        return None
+    match strategy:
+        case Direct():
+            return None
+        case GrowingWindows():
+            if longest <= 2 * strategy.shortest:
+                return None
+            first = first_windows(problem, strategy)
+            return grow(problem, theta, first_guess(first, theta), strategy)
+        case MultipleShooting():
+            return shoot_multiply(problem, theta, strategy)
+
+
+def first_guess(problem: FitProblem, theta: Array) -> Array:
+    """Return initial states that fit the first samples of every window.
+
+    From zero, over a short stretch, the fit is nearly linear; from there the long one
+    starts close enough.
+    """
+    shots = problem.shots
+    zeros = np.zeros((shots.n_windows, problem.model.n_states))
+    if max(np.diff(shots.edges)) <= 2 * SHORTEST:
+        return zeros
+    short = shots.subset(np.arange(shots.n_windows), SHORTEST)
+    initial, _ = settle(replace(problem, shots=short), theta, zeros)
+    return initial
