@@ -2,6 +2,8 @@
 
 import cmath
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -47,6 +49,7 @@ from flegx_models.parameters_control import CHOSEN, CONTROL
 from flegx_models.parameters_datasheets import DATASHEETS
 from flegx_models.published import PUBLISHED
 
+PAGE = (Path(__file__).parent.parent / "docs" / "jump.md").read_text(encoding="utf-8")
 VALUES = CONTROL.values_by_name()
 CHOICES = CHOSEN.values_by_name()
 BOX = {
@@ -220,6 +223,17 @@ def test_all_twelve_controllers_are_evaluated_with_the_friction_they_are_for():
     changes = {m: margins[m, "modified"] - margins[m, "printed"] for m in MODELS}
     assert changes.pop("upperleg_flight") > 9
     assert all(abs(change) < 1.2 for change in changes.values())
+
+
+def test_the_page_shows_the_twelve_loops_as_they_are():
+    for model, version, loop in evaluated():
+        figures = loop.figures
+        margin = f"{math.degrees(figures.phase_margin):.2f}°"
+        row = (
+            rf"\| {model.replace('_', ', ')} \| {version} \| {loop.friction_pole:.2f} "
+            rf"\| {figures.crossover:.2f}[^|]* \| {margin}"
+        )
+        assert re.search(row, PAGE), (model, version)
 
 
 @pytest.mark.parametrize("model", ["lowerleg_flight", "lowerleg_stance"])
