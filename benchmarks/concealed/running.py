@@ -1,0 +1,100 @@
+"""Running the tool on cases, as a user would: the command line, files in, JSON out.
+
+Only the public folder is read. A case that has an answer is not run again, so an
+interrupted run goes on where it stopped.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+PROGRAM = "from bondgraph.cli import main; main()"
+
+
+def run_all(
+    public: Path,
+    answers: Path,
+    *,
+    workers: int,
+    limit: float,
+    names: Sequence[str] = (),
+    most: int | None = None,
+    again: bool = False,
+) -> None:
+    """Run `bondgraph diagnose` on every case that has no answer yet.
+
+    Parameters
+    ----------
+    limit
+        Seconds for one case; it is stopped after that, and counted as such.
+    names
+        Words of which a case's name must contain one.
+    most
+        How many cases at most, from the beginning of the list.
+    again
+        Whether to run cases again that were refused or failed.
+    """
+    answers.mkdir(parents=True, exist_ok=True)
+    found = sorted(path.parent for path in public.glob("*/case.json"))
+    found = [c for c in found if not names or any(n in c.name for n in names)][:most]
+    waiting = [c for c in found if not _done(answers / f"{c.name}.run.json", again)]
+    print(f"{len(found)} cases, {len(waiting)} to run", flush=True)
+    with ThreadPoolExecutor(workers) as pool:
+        for line in pool.map(lambda c: _run(c, answers, limit, workers), waiting):
+            print(line, flush=True)
+
+
+def _done(record: Path, again: bool) -> bool:
+    """Return whether a case needs no run."""
+    if not record.exists():
+        return False
+    status = json.loads(record.read_text("utf-8"))["status"]
+    return not (again and status in ("refused", "failed"))
+
+
+def _run(case: Path, answers: Path, limit: float, workers: int) -> str:
+    """Run one case, write its answer and how it went, and return a line about it."""
+    told = json.loads((case / "case.json").read_text("utf-8"))
+    answer = (answers / f"{case.name}.json").resolve()
+    command = [
+        *(sys.executable, "-c", PROGRAM, "diagnose"),
+        told["model"],
+        *told["train"],
+        *(word for name in told["held_out"] for word in ("--held-out", name)),
+        *told["options"],
+        *("--json", str(answer)),
+    ]
+    threads = str(max(1, (os.cpu_count() or 1) // workers))
+    environment = {**os.environ, "NUMBA_NUM_THREADS": threads, "OMP_NUM_THREADS": "1"}
+    begin, status, words = time.perf_counter(), "answered", ""
+    try:
+        done = subprocess.run(
+            command,
+            cwd=case,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=limit,
+            check=False,
+        )
+        words = done.stderr[-2000:]
+        if done.returncode or not answer.exists():
+            status = "refused" if done.returncode == 2 else "failed"
+    except subprocess.TimeoutExpired:
+        status = "too long"
+    seconds = time.perf_counter() - begin
+    (answers / f"{case.name}.run.json").write_text(
+        json.dumps({"status": status, "seconds": seconds, "stderr": words}, indent=1),
+        "utf-8",
+    )
+    verdict = ""
+    if status == "answered":
+        content = json.loads(answer.read_text("utf-8"))
+        says = [f"{f['physics']} at {f['place']}" for f in content["findings"]]
+        verdict = f"{content['verdict']}: {', '.join(says)}"
+    return f"{case.name:40s} {seconds:6.1f} s  {status} {verdict}"
