@@ -1,6 +1,7 @@
 """``bondgraph diagnose``: what a model leaves out, found in recordings."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import click
 
@@ -14,6 +15,8 @@ from bondgraph.cli.inputs import (
     recording_options,
 )
 from bondgraph.cli.session import Session, json_option
+from bondgraph.cli.work_options import work_options
+from bondgraph.diagnosis.workers import Where
 from bondgraph.errors import RecordingError
 from bondgraph.fitting.estimate import Settings
 from bondgraph.recordings.binding import BoundRecording
@@ -38,6 +41,13 @@ SPLIT = 0.6
     help=f"Without --held-out: the share to train on, {SPLIT:g} by default.",
 )
 @click.option("--html", metavar="FILE", help="Write the report page.")
+@click.option(
+    "--resume",
+    metavar="DIR",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Keep what is worked out in this directory, and go on from what is there.",
+)
+@work_options
 @fit_options(window="auto")
 @recording_options
 @json_option
@@ -54,6 +64,8 @@ def command(
     html: str | None,
     settings: Settings,
     reading: Reading,
+    resume: Path | None,
+    where: Where,
     json_file: str | None,
 ) -> None:
     """Say whether MODEL leaves physics out, where and which, and show it.
@@ -87,6 +99,8 @@ def command(
         settings=settings,
         html=html,
         json_file=json_file,
+        where=where,
+        resume=resume,
     )
 
 

@@ -1,11 +1,13 @@
 """Diagnosing and telling: the path that ``diagnose`` and ``demo`` share."""
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from bondgraph.cli.session import Session
 from bondgraph.cli.terminal import table_style
 from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.records import Diagnosis, Evidence, Verdict
+from bondgraph.diagnosis.workers import Here, Where
 from bondgraph.fitting.estimate import Settings
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.reporting.diagnosis_json import delivered, diagnosis_to_dict
@@ -42,6 +44,8 @@ def answer(
     settings: Settings,
     html: str | None,
     json_file: str | None,
+    where: Where | None = None,
+    resume: Path | None = None,
 ) -> Diagnosis:
     """Diagnose, print the answer, and write the report page and the JSON."""
     with session.progress() as progress:
@@ -49,7 +53,7 @@ def answer(
             graph,
             training,
             held_out=held_out,
-            options=Options(settings=settings),
+            options=Options(settings=settings, where=where or Here(), resume=resume),
             progress=progress,
         )
     session.say("\n".join(_told(diagnosis)))

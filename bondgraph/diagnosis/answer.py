@@ -37,7 +37,7 @@ def answer(
     """Return the diagnosis that the rounds of a search amount to."""
     base, floor = rounds[0].base, noise_floor(recordings)
     before, after = report(base, graph, recordings), report(final, graph, recordings)
-    accepted = [r for r in rounds if r.chosen is not None]
+    accepted = _accepted(rounds)
     findings, others = _findings(accepted, after, held_out, options)
     verdict, statement = verdict_of(
         findings, base, floor, rounds[0], _remaining(accepted, floor)
@@ -69,6 +69,17 @@ def answer(
     )
 
 
+def _accepted(rounds: Sequence[Round]) -> list[Round]:
+    """Return the rounds whose addition was made and stayed."""
+    removed = {id(h) for found in rounds for h in found.removed}
+    return [
+        found
+        for found in rounds
+        if found.chosen is not None
+        and id(found.chosen.candidate.hypothesis) not in removed
+    ]
+
+
 def _delivered(
     final: FittedModel,
     recordings: Sequence[BoundRecording],
@@ -95,14 +106,10 @@ def _findings(
         chosen = found.chosen
         assert chosen is not None
         close = alternatives_to(chosen, found.judged, options.rule)
-        places = tuple(
-            dict.fromkeys(
-                j.place
-                for j in close
-                if j.physics == chosen.physics and j.place != chosen.place
-            )
-        )
         hypothesis = chosen.candidate.hypothesis
+        same = [j.place for j in close if j.physics == chosen.physics]
+        elsewhere = (p for p in (*same, *hypothesis.also) if p != chosen.place)
+        places = tuple(dict.fromkeys(elsewhere))
         estimates = tuple(e for e in after.estimates if e.name in hypothesis.parameters)
         findings.append(
             Finding(
@@ -117,6 +124,7 @@ def _findings(
                     *_hardly_supported(found, options, held_out),
                 ),
                 estimates=estimates,
+                probability=found.probability,
             )
         )
         others[hypothesis.element] = close
@@ -225,6 +233,11 @@ def _notes(
                 f"{hypothesis.physics} at {hypothesis.place} was not tried: "
                 f"{rejected.reason}"
             )
+        notes += [
+            f"{h.physics} at {h.place} was added first and taken out again: beside "
+            "what was added later it does not predict left-out data better."
+            for h in found.removed
+        ]
         for judged in _wider(found, options):
             assert found.chosen is not None
             notes.append(

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bondgraph.diagnosis.candidates import Candidate
+from bondgraph.diagnosis.confidence import winning_shares
 from bondgraph.diagnosis.evidence import Gain, LeftOutErrors, compare
 from bondgraph.diagnosis.records import Support
 from bondgraph.physics.library import LIBRARY
@@ -158,3 +159,41 @@ def _extends(wider: Judged, narrower: Judged) -> bool:
     same = wider.physics == narrower.physics
     more = wider.candidate.complexity > narrower.candidate.complexity
     return narrower.physics in wider.candidate.hypothesis.extends or (same and more)
+
+
+def probability(
+    chosen: Judged, judged: Sequence[Judged], base: LeftOutErrors, rule: Rule
+) -> float:
+    """Return the share of resamples in which the chosen physics predicts best.
+
+    With it count the same physics at places that are not told from it, and laws that
+    contain it here. A law with more parameters, a curve without a name most of all, and
+    any law against none, wins only by what it must be better by to be chosen.
+    """
+    fewest = min(j.candidate.complexity for j in judged)
+    handicaps = [
+        1.0 + rule.materiality / 2 * (j.candidate.complexity > fewest) for j in judged
+    ]
+    handicaps = [
+        max(
+            handicap, 1.0 / NAMED_SHARE if j.physics == CURVE != chosen.physics else 1.0
+        )
+        for handicap, j in zip(handicaps, judged, strict=True)
+    ]
+    shares = winning_shares(
+        [base, *(j.errors for j in judged)], [1.0 - rule.materiality, *handicaps]
+    )
+    return float(
+        sum(
+            share
+            for share, j in zip(shares[1:], judged, strict=True)
+            if j is chosen
+            or _extends(j, chosen)
+            or (j.physics == chosen.physics and _near(j, chosen, rule))
+        )
+    )
+
+
+def _near(other: Judged, chosen: Judged, rule: Rule) -> bool:
+    """Return whether the other sits where the chosen one does, for all one can tell."""
+    return other.place == chosen.place or not clearly_better(chosen, other, rule)

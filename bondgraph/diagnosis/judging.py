@@ -1,12 +1,19 @@
 """Judging: the fitted candidates on data they were not fitted to, twins together."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from bondgraph.diagnosis.bench import Bench
 from bondgraph.diagnosis.candidates import Candidate
-from bondgraph.diagnosis.decision import Judged, Rule, judge
+from bondgraph.diagnosis.decision import (
+    Judged,
+    Rule,
+    best_supported,
+    judge,
+    probability,
+)
 from bondgraph.diagnosis.evidence import LeftOutErrors, chunk_count, left_out_errors
 from bondgraph.diagnosis.trying import Start, Trial, errors_left_out
 
@@ -14,9 +21,18 @@ TWINS = 1e-3
 """Candidates whose residuals differ by less than this share predict the same."""
 
 
+@dataclass(frozen=True, slots=True)
+class Verdicts:
+    """All that were judged, the one to believe, if any, and how probable it is."""
+
+    judged: tuple[Judged, ...] = ()
+    chosen: Judged | None = None
+    probability: float | None = None
+
+
 def judge_all(
     bench: Bench, worth: Sequence[Candidate], tried: int, rule: Rule
-) -> list[Judged]:
+) -> Verdicts:
     """Judge candidates on left-out data; twins share their errors.
 
     Parameters
@@ -25,7 +41,7 @@ def judge_all(
         How many hypotheses these are the best of.
     """
     if not worth:
-        return []
+        return Verdicts()
     best = min(worth, key=lambda candidate: candidate.fitted.optimum.cost)
     chunks = chunk_count(best.fitted)
     before = left_out_errors(bench.base, chunks)
@@ -44,10 +60,13 @@ def judge_all(
         i: LeftOutErrors(np.array(result["chunks"]))
         for i, result in zip(kinds, results, strict=True)
     }
-    return [
+    judged = tuple(
         judge(candidate, before, errors[i], tried, rule)
         for i, candidate in zip(first, worth, strict=True)
-    ]
+    )
+    chosen = best_supported(judged, rule)
+    sure = None if chosen is None else probability(chosen, judged, before, rule)
+    return Verdicts(judged, chosen, sure)
 
 
 def _first_twin(index: int, candidates: Sequence[Candidate]) -> int:

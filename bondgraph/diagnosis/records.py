@@ -63,7 +63,14 @@ class Evidence:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """A piece of physics that was left out, with what it could be confused with."""
+    """A piece of physics that was left out, with what it could be confused with.
+
+    Parameters
+    ----------
+    probability
+        Share of resamples of the left-out chunks in which this physics, here or at a
+        place that is not told from it, predicts best; None where it was not judged.
+    """
 
     physics: str
     place: str
@@ -73,6 +80,7 @@ class Finding:
     indistinguishable_places: tuple[str, ...] = ()
     alternatives: tuple[Evidence, ...] = ()
     estimates: tuple[Estimate, ...] = ()
+    probability: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

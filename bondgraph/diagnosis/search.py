@@ -2,7 +2,7 @@
 
 Each round proposes the whole library at every place of the current model, screens it by
 what each hypothesis promises, fits the best, judges the best of these on left-out data,
-and hands the improved model on.
+and hands the improved model on. What an addition makes needless is taken out again.
 """
 
 from collections.abc import Sequence
@@ -19,10 +19,11 @@ from bondgraph.diagnosis.candidates import (
     Screened,
     propose_all,
 )
-from bondgraph.diagnosis.decision import CURVE, Judged, Rule, best_supported
+from bondgraph.diagnosis.decision import CURVE, Judged, Rule
 from bondgraph.diagnosis.evidence import MOST_CHUNKS
 from bondgraph.diagnosis.fits import fit_best
 from bondgraph.diagnosis.judging import judge_all
+from bondgraph.diagnosis.removal import pruned
 from bondgraph.diagnosis.screening import screen
 from bondgraph.diagnosis.workers import Here, Where, Workshop
 from bondgraph.fitting.estimate import (
@@ -40,7 +41,7 @@ from bondgraph.fitting.horizon import (
     WholeRecordings,
     Windows,
 )
-from bondgraph.physics.hypothesis import AbstractPhysics
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
 from bondgraph.physics.library import LIBRARY
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
@@ -98,6 +99,10 @@ class Round:
         that could not be tried.
     chosen
         The one accepted, if any.
+    probability
+        Of its physics being the best of those judged.
+    removed
+        What earlier rounds had added and is needless beside it.
     """
 
     base: FittedModel
@@ -106,6 +111,8 @@ class Round:
     promised: tuple[Promised, ...] = ()
     rejected: tuple[Rejected, ...] = ()
     chosen: Judged | None = None
+    probability: float | None = None
+    removed: tuple[Hypothesis, ...] = ()
 
 
 def search(
@@ -121,12 +128,17 @@ def search(
     """
     rounds: list[Round] = []
     current = base
+    added: tuple[Hypothesis, ...] = ()
     while True:
         found = _one_round(current, noise, options, len(rounds) + 1, shop)
-        rounds.append(found)
         if found.chosen is None:
-            return rounds
-        current = found.chosen.candidate.fitted
+            return [*rounds, found]
+        candidate = found.chosen.candidate
+        added = (*added, candidate.hypothesis)
+        shop.progress(f"round {len(rounds) + 1}: trying without what was added before")
+        left = pruned(base, candidate.fitted, added, options.rule)
+        rounds.append(replace(found, removed=left.removed))
+        current, added = left.fitted, left.kept
 
 
 def explainable(fitted: FittedModel, noise: Array) -> float:
@@ -192,15 +204,15 @@ def _one_round(
     worth = [c for c in fitted if c.reduction(base) >= least]
     order = {id(hypothesis): i for i, hypothesis in enumerate(hypotheses)}
     worth.sort(key=lambda candidate: order[id(candidate.hypothesis)])
-    judged = judge_all(bench, worth, len(hypotheses), options.rule)
-    chosen = best_supported(judged, options.rule)
+    verdicts = judge_all(bench, worth, len(hypotheses), options.rule)
     return Round(
         base,
         len(hypotheses),
-        tuple(judged),
+        verdicts.judged,
         screened.promised,
         screened.rejected,
-        chosen,
+        verdicts.chosen,
+        verdicts.probability,
     )
 
 

@@ -24,6 +24,9 @@ NAMES = {
     "unknown_relation": "a relation without a name",
 }
 
+WEAK = 0.25
+"""An effect that explains less than this share of the error is called weak."""
+
 
 def name_of(physics: str) -> str:
     """Return how a sentence calls `physics`."""
@@ -68,6 +71,10 @@ def finding_statement(
     )
     if other_laws:
         text += f" It cannot be told apart here from {_or(tuple(other_laws))}."
+    if chosen.gain.value < WEAK:
+        text += (
+            f" It is weak: it explains {100 * chosen.gain.value:.0f} % of the error."
+        )
     return text
 
 

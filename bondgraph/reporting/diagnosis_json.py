@@ -119,6 +119,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "statement": finding.statement,
         "law": finding.law,
         "parameters": _parameters(finding.estimates),
+        "probability": json_value(finding.probability),
     }
 
 

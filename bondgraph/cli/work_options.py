@@ -1,0 +1,59 @@
+"""The options of a command with much to do: on how many processes, or on a cluster."""
+
+from collections.abc import Callable
+from functools import wraps
+from importlib import import_module
+from typing import Any, TypeVar
+
+import click
+
+from bondgraph.diagnosis.workers import On, Processes, Where
+from bondgraph.errors import MissingExtraError
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def work_options(command: F) -> F:
+    """Add ``--workers`` and ``--dask``; the command gets them as ``where``."""
+
+    @wraps(command)
+    def with_where(
+        *args: Any, workers: int | None, dask: str | None, **rest: Any
+    ) -> Any:
+        if dask is None:
+            return command(*args, where=Processes(workers), **rest)
+        if workers is not None:
+            raise click.UsageError("--workers has no use where --dask is given.")
+        return command(*args, where=_cluster(dask), **rest)
+
+    with_dask = click.option(
+        "--dask",
+        metavar="ADDRESS",
+        help="Try hypotheses on the Dask cluster whose scheduler is there.",
+    )(with_where)
+    return click.option(  # type: ignore[return-value]
+        "--workers",
+        type=click.IntRange(min=1),
+        metavar="N",
+        help="Processes to try hypotheses in; one per core by default.",
+    )(with_dask)
+
+
+def _cluster(address: str) -> Where:
+    """Return the executor of a Dask cluster.
+
+    Raises
+    ------
+    MissingExtraError
+        If Dask is not installed.
+    """
+    try:
+        distributed = import_module("distributed")
+    except ModuleNotFoundError as error:
+        raise MissingExtraError(
+            "--dask needs distributed.",
+            ("distributed",),
+            "Install bondgraph-workbench[dask].",
+        ) from error
+    client = distributed.Client(address)
+    return On(client.get_executor(), workers=max(len(client.nthreads()), 1))

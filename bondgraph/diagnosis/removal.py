@@ -1,0 +1,84 @@
+"""Removal: what was added early may be needless once something else has been added.
+
+The first law found stands in for all that is missing; when the right one has been
+added, the first may have nothing left to explain. Every earlier addition is taken out
+again, the rest is refitted, and the two models are compared on left-out data.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bondgraph.diagnosis.decision import Rule
+from bondgraph.diagnosis.evidence import chunk_count, compare, left_out_errors
+from bondgraph.diagnosis.posing import initial_states
+from bondgraph.errors import BondGraphError
+from bondgraph.fitting.estimate import FittedModel, pose, prepare
+from bondgraph.fitting.levenberg_marquardt import minimise
+from bondgraph.physics.hypothesis import Hypothesis
+
+ITERATIONS = 30
+TOLERANCE = 1e-4
+
+
+@dataclass(frozen=True, slots=True)
+class Pruned:
+    """The model after removal, with the hypotheses kept and those taken out."""
+
+    fitted: FittedModel
+    kept: tuple[Hypothesis, ...]
+    removed: tuple[Hypothesis, ...] = ()
+
+
+def pruned(
+    first: FittedModel, fitted: FittedModel, added: Sequence[Hypothesis], rule: Rule
+) -> Pruned:
+    """Return the model without what left-out data do not support any more.
+
+    Parameters
+    ----------
+    first
+        The model before any addition.
+    fitted
+        The model with all of `added`, in their order; the last one stays.
+    """
+    kept, removed = list(added), []
+    for hypothesis in added[:-1]:
+        rest = [one for one in kept if one is not hypothesis]
+        try:
+            without = _fitted_with(first, fitted, rest)
+        except BondGraphError:
+            continue  # A later addition changes what this one has added.
+        if not _needed(without, fitted, rule):
+            fitted, kept = without, rest
+            removed.append(hypothesis)
+    return Pruned(fitted, tuple(kept), tuple(removed))
+
+
+def _fitted_with(
+    first: FittedModel, fitted: FittedModel, hypotheses: Sequence[Hypothesis]
+) -> FittedModel:
+    """Return the first model with the hypotheses, fitted from the other's values."""
+    graph = first.graph
+    for hypothesis in hypotheses:
+        graph = hypothesis.apply(graph)
+    model, old = prepare(graph), fitted.problem
+    problem = pose(graph, model, old.shots, fitted.settings, old.sigma)
+    centre = dict(zip(old.model.parameter_names, old.start, strict=True))
+    names = model.parameter_names
+    start = [centre.get(n, v) for n, v in zip(names, problem.start, strict=True)]
+    problem = replace(problem, start=np.array(start))
+    theta = np.array([fitted.values[names[i]] for i in problem.free])
+    initial = initial_states(fitted, model.state_names)
+    optimum = minimise(
+        problem, theta, initial, iterations=ITERATIONS, tolerance=TOLERANCE
+    )
+    return replace(fitted, graph=graph, problem=problem, optimum=optimum)
+
+
+def _needed(without: FittedModel, fitted: FittedModel, rule: Rule) -> bool:
+    """Return whether left-out data are predicted clearly worse without it."""
+    chunks = chunk_count(fitted)
+    gain = compare(left_out_errors(without, chunks), left_out_errors(fitted, chunks))
+    return gain.value > max(2.0 * gain.std, rule.materiality / 2)
