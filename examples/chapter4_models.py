@@ -14,7 +14,7 @@ from bondgraph import (
     draw_svg,
     linearise,
 )
-from flegx_models import decoupling, gains, models, nonlinear_stance, planar_leg
+from flegx_models import cost_tables, gains, models, nonlinear_stance, planar_leg
 
 FIGURES = {
     "figure_4_2_lowerleg_flight": models.lowerleg_flight,
@@ -44,7 +44,7 @@ def main(folder: Path) -> None:
     print("\nPrinted and derived:")
     print(gains.as_text(gains.table()))
     print("\nWhat the assumptions of chapter 4 cost:")
-    print(decoupling.as_text())
+    print(cost_tables.as_text())
 
 
 def same(name: str) -> bool:

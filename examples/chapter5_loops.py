@@ -33,10 +33,10 @@ from flegx_models.controllers import (
     printed_figures,
     printed_loop,
     printed_reading,
-    torque_constants_of_the_numerators,
 )
 from flegx_models.gravity import CASES, feed_forward, printed_feed_forward
 from flegx_models.jump.leg_graph import leg_parameters
+from flegx_models.loop_numerators import torque_constants_of_the_numerators
 from flegx_models.motor import driven_motor
 from flegx_models.parameters_control import CONTROL
 

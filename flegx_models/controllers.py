@@ -10,10 +10,8 @@ corrections that the printed margins need:
 - the filter's cut-off is 25 Hz (section 3.4), not 25 rad/s (eq. 5.11, 5.15, 5.19 and
   5.23).
 
-The numerators of eq. 5.10 to 5.22 need a third number that is not printed. With
-controllers in ampere per radian and a driver scaling that makes one ampere of command
-one ampere of current (5 % of duty per ampere, 1/0.20), all four follow, to their three
-digits, from K_m = 0.042 N·m/A where Table 2.1 prints 0.0427; see `numerator`.
+The numerators of eq. 5.10 to 5.22 are taken as printed; `flegx_models.loop_numerators`
+says what they follow from.
 """
 
 import math
@@ -25,7 +23,6 @@ from bondgraph import BondGraphError, Lead, Loop, ZeroPoleGain, measure
 from flegx_models.characterisation.encoder_filter import ButterworthPair
 from flegx_models.parameters_chapter3 import CHAPTER_3
 from flegx_models.parameters_control import CONTROL
-from flegx_models.parameters_datasheets import DATASHEETS
 from flegx_models.published import PUBLISHED, PublishedTransferFunction
 
 MODELS = ("lowerleg_flight", "upperleg_flight", "lowerleg_stance", "upperleg_stance")
@@ -217,42 +214,6 @@ def printed_figures(model: str) -> LoopFigures:
         values[f"turnover_{model}"],
         values[f"margin_{model}"],
     )
-
-
-def numerator(gain: float, torque_constant: float | None = None) -> float:
-    """Return the numerator of eq. 5.10 to 5.22 that follows from eq. 4.36.
-
-    K_m · p₁ p₂ / z · gain in 1/s³, for a command in ampere that the driver turns into
-    as many ampere at rest.
-
-    Parameters
-    ----------
-    gain
-        Of the train, rad/s² per N·m (eq. 4.7, 4.12, 4.30, 4.35).
-    torque_constant
-        K_m in N·m/A; Table 2.1's by default.
-    """
-    values = CONTROL.values_by_name()
-    K_m = DATASHEETS.values_by_name()["K_m"]
-    poles = values["fast_pole_driver"] * values["slow_pole_driver"]
-    chosen = K_m if torque_constant is None else torque_constant
-    return chosen * poles / values["zero_driver"] * gain
-
-
-def torque_constants_of_the_numerators() -> tuple[float, float]:
-    """Return the least and greatest K_m (N·m/A) from which all four numerators follow.
-
-    If no one K_m gave them all, the greatest would lie below the least.
-    """
-    lows, highs = [], []
-    for model in MODELS:
-        printed = CONTROL.find(f"numerator_{model}")
-        assert printed.value is not None
-        assert printed.rounding is not None
-        unit = numerator(_published(model).gain, 1.0)
-        lows.append((printed.value - printed.rounding) / unit)
-        highs.append((printed.value + printed.rounding) / unit)
-    return max(lows), min(highs)
 
 
 def _published(model: str) -> PublishedTransferFunction:

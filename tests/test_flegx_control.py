@@ -28,11 +28,9 @@ from flegx_models.controllers import (
     controller,
     corrected_reading,
     evaluated,
-    numerator,
     printed_figures,
     printed_loop,
     printed_reading,
-    torque_constants_of_the_numerators,
 )
 from flegx_models.gains import derived
 from flegx_models.gravity import (
@@ -42,6 +40,10 @@ from flegx_models.gravity import (
     printed_feed_forward,
 )
 from flegx_models.jump.leg_graph import leg_parameters
+from flegx_models.loop_numerators import (
+    numerator,
+    torque_constants_of_the_numerators,
+)
 from flegx_models.models import lowerleg_stance
 from flegx_models.motor import black_box, driven_motor, motor_with
 from flegx_models.parameters import RECONCILED

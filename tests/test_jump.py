@@ -16,9 +16,10 @@ from scipy.signal import bilinear, lfilter
 from bondgraph import BondGraphError
 from flegx_models.controllers import controller
 from flegx_models.jump import simulation
+from flegx_models.jump.condition import EventKind
 from flegx_models.jump.instant import GRIPS, HELD, OPEN, Choice, Ground, Problem, solve
 from flegx_models.jump.leg_graph import leg_parameters
-from flegx_models.jump.machine import EventKind, Machine
+from flegx_models.jump.machine import Machine
 from flegx_models.jump.mechanics import leg
 from flegx_models.jump.sampled import DifferenceEquation, Encoder, encoder_filter
 from flegx_models.jump.simulation import Experiment, machine, run

@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 
 from flegx_models.controllers import controller
 from flegx_models.gravity import FeedForward, printed_feed_forward
+from flegx_models.jump.condition import Condition, Counterweight, Event, Ledger
 from flegx_models.jump.instant import Ground
-from flegx_models.jump.machine import Condition, Counterweight, Event, Ledger, Machine
+from flegx_models.jump.machine import Machine
 from flegx_models.jump.mechanics import leg
 from flegx_models.jump.sampled import Encoder, JointController, encoder_filter
 from flegx_models.jump.worm import WormGear, irreversible_worm
