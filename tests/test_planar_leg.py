@@ -323,6 +323,56 @@ def test_the_upperleg_as_section_4_2_2_reads_it() -> None:
     assert gain == pytest.approx(v["K_gearbox"] * v["K_worm_gear"] / J, rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("joint", "model", "mass", "unused"),
+    [
+        ("knee", "lowerleg_stance", "m_lowerleg", ("I_upperleg_link", "I_gear")),
+        ("hip", "upperleg_stance", "m_upperleg", ("I_lowerleg", "I_gear_tendons")),
+    ],
+)
+def test_the_stance_models_follow_from_the_standing_leg(
+    joint: str, model: str, mass: str, unused: tuple[str, str]
+) -> None:
+    """One motor, links that move as the support does, the other link without inertia.
+
+    The friction pole is four times the printed form's at the knee: its bearings turn
+    with θ2, which is twice θ1 + θ2 in stance, and the form has them at the joint.
+    """
+    random = np.random.default_rng(5)
+    odd = {
+        p.name: p.value * random.uniform(0.7, 1.4)
+        for p in RECONCILED.members
+        if p.value
+    }
+    printed = getattr(models, model)(RECONCILED.with_values(odd)).finish()
+    form = linearise(derive(printed)).transfer_function()
+    v = printed.parameters.values_by_name()
+    nearly_none = 1e-13
+    friction = f"c_friction_{model.partition('_')[0]}"
+    put = {name: v[name] for name in v if name in standing_leg().finish().parameters}
+    put |= {
+        "g": 0.0,
+        "m_motors_support": v["m_motors_support"] + v[mass],
+        "m_upperleg": nearly_none,
+        "m_lowerleg_link": nearly_none,
+        "I_upperleg_link": v.get("I_upperleg", nearly_none),
+        **dict.fromkeys(unused, nearly_none),
+        **{f"c_friction_{x}": 0.0 for x in ("lowerleg", "upperleg")},
+        friction: v[friction],
+    }
+    leg = standing_leg(drives=(joint,)).finish().with_parameters(put)
+    at = {"q_hip": -v["theta_0"], "q_knee": v["theta_0"]}
+    system = state_space(leg, at=at)
+    row = system.C[system.outputs.index(f"theta_{joint}")]
+    column = system.B[:, system.inputs.index(f"T_{joint}")]
+    gain = float(row @ system.A @ column)
+    pole = -float(row @ system.A @ system.A @ column) / gain
+    assert gain == pytest.approx(form.gain_at(v), rel=1e-8)
+    times = 4 if joint == "knee" else 1
+    wanted = max(abs(x) for x in form.poles(v))
+    assert pole == pytest.approx(times * wanted, rel=1e-6)
+
+
 def test_a_locked_graph_is_an_edit() -> None:
     leg = hanging_leg()
     before = len(leg.finish().nodes)
