@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.fitting.automatic import accumulates, automatic_horizon, choose_horizon
+from bondgraph.fitting.combinations import barely_known, combination_sentences
 from bondgraph.fitting.fitted import FittedModel
 from bondgraph.fitting.horizon import Automatic, WholeRecordings, cut
+from bondgraph.fitting.identifiability import RECORDED, around
 from bondgraph.fitting.levenberg_marquardt import Optimum, minimise
 from bondgraph.fitting.loss import SquaredError, scale_of
 from bondgraph.fitting.noise import WhiteNoise, lag_one
@@ -17,9 +19,10 @@ from bondgraph.fitting.posing import pose, prepare
 from bondgraph.fitting.problem import FitProblem, Linearisation
 from bondgraph.fitting.result import Estimate, FitResult, FitStatus, Score
 from bondgraph.fitting.settings import Settings
+from bondgraph.fitting.solver_error import solver_error
 from bondgraph.fitting.solving import first_guess, solve, solve_from
 from bondgraph.fitting.starts import ManyStarts
-from bondgraph.fitting.uncertainty import null_sentences, uncertainty
+from bondgraph.fitting.uncertainty import Uncertainty, uncertainty
 from bondgraph.numeric.model import NumericModel
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.shooting import Shots
@@ -194,33 +197,65 @@ def report(
 ) -> FitResult:
     """Return the fit as the record users see."""
     problem, optimum = fitted.problem, fitted.optimum
-    names = [problem.model.parameter_names[i] for i in problem.free]
+    names = fitted.free_names
     known = uncertainty(problem, optimum)
     sources = tuple(recording.name for recording in recordings)
-    estimates = []
-    for name, value, std in zip(names, optimum.theta, known.std, strict=True):
-        before = start.parameters.get(name)
-        first = before.value if before is not None else None
-        estimates.append(
-            Estimate(
-                name=name,
-                value=float(value),
-                std=float(std) if math.isfinite(std) else None,
-                unit=fitted.graph.parameters[name].unit,
-                start=first,
-            )
-        )
+    estimates = _estimates(fitted, start, known)
+    coloured = bool(problem.correlation.any())
+    phi = zip(problem.model.output_names, map(float, problem.correlation), strict=False)
     return FitResult(
         status=_status(problem, optimum),
         model=with_estimates(fitted.graph, estimates, sources),
-        estimates=tuple(estimates),
+        estimates=estimates,
         score=score(problem.model, problem.shots, fitted.residuals()),
         cost=optimum.cost,
         iterations=optimum.iterations,
-        unidentifiable=null_sentences(names, known.null),
+        unidentifiable=_unidentifiable(fitted, known),
         window=_window_seconds(fitted),
         covariance=tuple(tuple(map(float, row)) for row in known.covariance),
+        barely_known=barely_known(names, optimum.theta, known.covariance, known.std),
+        solver_error=solver_error(
+            problem, optimum, inverse=known.inverse, std=known.std, names=names
+        )
+        if math.isfinite(optimum.cost)
+        else None,
+        correlation=dict(phi) if coloured else {},
+        fitted=fitted,
     )
+
+
+def _estimates(
+    fitted: FittedModel, start: FinishedGraph, known: Uncertainty
+) -> tuple[Estimate, ...]:
+    theta, problem = fitted.optimum.theta, fitted.problem
+    reach = known.quantile * known.std
+    low = np.maximum(theta - reach, problem.low[problem.free])
+    high = np.minimum(theta + reach, problem.high[problem.free])
+    estimates = []
+    for i, name in enumerate(fitted.free_names):
+        before = start.parameters.get(name)
+        told = math.isfinite(known.std[i])
+        estimates.append(
+            Estimate(
+                name=name,
+                value=float(theta[i]),
+                std=float(known.std[i]) if told else None,
+                unit=fitted.graph.parameters[name].unit,
+                start=before.value if before is not None else None,
+                interval=(float(low[i]), float(high[i])) if told else None,
+            )
+        )
+    return tuple(estimates)
+
+
+def _unidentifiable(fitted: FittedModel, known: Uncertainty) -> tuple[str, ...]:
+    if not len(known.null):
+        return ()
+    optimum = fitted.optimum
+    points = around(
+        fitted.problem, optimum.theta, optimum.initial, np.random.default_rng(0)
+    )
+    return combination_sentences(fitted.free_names, points, RECORDED) if points else ()
 
 
 def _status(problem: FitProblem, optimum: Optimum) -> FitStatus:

@@ -206,10 +206,25 @@ def linearise_windows(
     )
 
 
+def reduced_hessian(at: Linearisation, n_parameters: int) -> Array:
+    """Return the Hessian of the data in θ, every window's initial state left free."""
+    nq = n_parameters
+    cross = at.hessian[:, nq:, :nq]
+    gain = truncated_inverse(at.hessian[:, nq:, nq:]) @ cross
+    hessian: Array = (at.hessian[:, :nq, :nq] - np.swapaxes(cross, 1, 2) @ gain).sum(
+        axis=0
+    )
+    return hessian
+
+
 def prior_residuals(problem: FitProblem, theta: Array) -> tuple[Array, Array]:
     """Return the residuals of the prior knowledge and their weights 1/std."""
     weight = 1.0 / problem.prior_std[problem.free]
     return (problem.start[problem.free] - theta) * weight, weight
+
+
+TINY = 1e-150
+"""Scales below it square to a denormal number: their direction moves nothing."""
 
 
 def truncated_inverse(matrix: Array, tolerance: float = 1e-13) -> Array:
@@ -222,7 +237,7 @@ def truncated_inverse(matrix: Array, tolerance: float = 1e-13) -> Array:
         return matrix
     diagonal = np.einsum("...ii->...i", matrix)
     scale = np.sqrt(np.maximum(diagonal, 0.0))
-    scale = np.where(scale == 0.0, 1.0, scale)
+    scale = np.where(scale < TINY, 1.0, scale)
     outer = scale[..., :, None] * scale[..., None, :]
     values, vectors = np.linalg.eigh(matrix / outer)
     keep = values > tolerance * np.maximum(values[..., -1:], 1e-300)

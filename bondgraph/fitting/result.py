@@ -1,9 +1,11 @@
 """What a fit answers: status, estimates, and what the data cannot identify."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 
+from bondgraph.fitting.fitted import FittedModel
+from bondgraph.fitting.solver_error import SolverError
 from bondgraph.structure.graph import FinishedGraph
 
 
@@ -21,7 +23,9 @@ class Estimate:
     """One parameter before and after a fit.
 
     ``std`` is the standard deviation of the estimate, robust to coloured residuals
-    (sandwich over windows); None where the data say nothing about the parameter.
+    (sandwich over blocks); None where the data say nothing about the parameter.
+    ``interval`` holds the true value in 95 of 100 repeats, (low, high), cut at the
+    bounds; None where std is.
     """
 
     name: str
@@ -29,6 +33,7 @@ class Estimate:
     std: float | None
     unit: str
     start: float | None
+    interval: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,6 +68,15 @@ class FitResult:
         Of the estimates, row by row in their order, in their units; its diagonal is the
         square of their ``std``. It says what the estimates know only together: products
         and ratios.
+    barely_known
+        Sentences on parameters that the recordings hardly determine and what they do,
+        such as "J is known to ± 80 % and K to ± 75 %, but K/J to ± 2 %".
+    solver_error
+        What the time step costs; None where it was not asked for.
+    correlation
+        φ of each output's noise, where it was fitted as coloured.
+    fitted
+        The fit itself, for profiles and the like.
     """
 
     status: FitStatus
@@ -74,6 +88,10 @@ class FitResult:
     unidentifiable: tuple[str, ...] = ()
     window: float | None = None
     covariance: tuple[tuple[float, ...], ...] = ()
+    barely_known: tuple[str, ...] = ()
+    solver_error: SolverError | None = None
+    correlation: Mapping[str, float] = field(default_factory=dict)
+    fitted: FittedModel | None = field(default=None, repr=False, compare=False)
 
     def estimate(self, name: str) -> Estimate:
         """Return the estimate of the parameter called `name`."""

@@ -1,28 +1,41 @@
 """What a fit knows: covariance that survives coloured residuals, and null directions.
 
-The covariance is the sandwich H⁻¹ (Σ_b s_b s_bᵀ) H⁻¹, where s_b is the score of one of
-about twenty contiguous blocks of samples. Residuals of real machines are never white;
-blocks longer than their correlation make the answer right all the same.
+The covariance is the sandwich H⁻¹ M H⁻¹. H is the curvature of the cost, M the variance
+of its slope, told in two ways of which the larger counts, parameter by parameter:
+
+* from the colour of the residuals over windows long enough to show it, an
+  autoregression (`fitting.colour`);
+* from the scores of contiguous blocks of samples, longer than the residuals'
+  correlation, M = Σ_b s_b s_bᵀ, which needs no model of the noise and also sees where
+  along the recording it is larger.
+
+Both are estimates themselves: intervals take Student's quantile, with the degrees of
+freedom of the blocks, or of the samples that are worth one white sample each.
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.fitting.colour import Colour, colour_of
+from bondgraph.fitting.combinations import FLAT, flat_directions, size_of
 from bondgraph.fitting.levenberg_marquardt import Optimum
+from bondgraph.fitting.loss import mean_curvature, weight_of
+from bondgraph.fitting.noise import whitened
 from bondgraph.fitting.problem import (
     FitProblem,
+    Part,
     parts,
     prior_residuals,
     truncated_inverse,
 )
 
 Array = NDArray[np.float64]
-BLOCKS = 20
-UNIDENTIFIABLE = 1e-9
+MOST_BLOCKS, LEAST_BLOCKS = 20, 6
+CORRELATIONS_PER_BLOCK = 5
+CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,82 +43,161 @@ class Uncertainty:
     """Covariance of the free parameters, and the combinations nothing is known about.
 
     ``std`` is NaN for a parameter that takes part in such a combination; each row of
-    ``null`` is one of them, in relative parameter changes.
+    ``null`` is one of them, in relative parameter changes. ``quantile`` times ``std``
+    is half a 95 % interval; ``inverse`` is that of
+    the cost's Hessian; ``inflation`` is how much larger each variance is than
+    that of white residuals.
     """
 
     covariance: Array
+    inverse: Array
     std: Array
     null: Array
+    quantile: Array
+    inflation: Array
+
+
+@dataclass(frozen=True, slots=True)
+class _Scores:
+    """JᵀJ of the projected sensitivities, M from the colour, and scores per sample."""
+
+    squared: Array
+    coloured: Array
+    samples: Array
 
 
 def uncertainty(problem: FitProblem, optimum: Optimum) -> Uncertainty:
     """Return what the data say about the free parameters at the optimum."""
-    at, nq = optimum.linearisation, len(optimum.theta)
+    nq = len(optimum.theta)
     _, weight = prior_residuals(problem, optimum.theta)
-    own = truncated_inverse(at.hessian[:, nq:, nq:])
-    gain = own @ at.hessian[:, nq:, :nq]
-    data, pieces = np.zeros((nq, nq)), []
-    for part in parts(problem, optimum.theta, optimum.initial):
-        windows = np.repeat(
-            np.arange(len(part.shots.edges) - 1), np.diff(part.shots.edges)
-        )
-        projected = part.jacobian[:, :, :nq] - np.einsum(
-            "njx,nxq->njq", part.jacobian[:, :, nq:], gain[part.windows][windows]
-        )
-        flat = projected.reshape(projected.shape[0] * projected.shape[1], nq)
-        data += flat.T @ flat
-        pieces.append(np.einsum("njq,nj->nq", projected, part.errors))
-    scores = np.concatenate(pieces)
-    hessian = data + np.diag(weight**2)
-    null = _null_directions(hessian, optimum.theta)
-    inverse = truncated_inverse(hessian, UNIDENTIFIABLE)
-    blocks = np.array_split(scores, BLOCKS)
-    totals = np.array([block.sum(axis=0) for block in blocks])
+    errors = influence(problem, optimum)
+    colours = _colours(problem, errors, nq)
+    scores = _scores(problem, optimum, colours)
     count = int(problem.measured.sum())
-    variance = float((at.residuals**2).sum()) / max(count - nq, 1)
-    meat = totals.T @ totals * BLOCKS / (BLOCKS - 1) + variance * np.diag(weight**2)
-    covariance = inverse @ np.maximum(meat, meat.T) @ inverse
-    # White-noise covariance is the floor: few blocks can look better by chance.
-    floor = inverse * variance
-    own = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    std = np.sqrt(np.maximum(np.diag(covariance), np.diag(floor)))
-    scale = np.divide(std, own, out=np.ones(nq), where=own > 0)
-    covariance = covariance * np.outer(scale, scale)
+    variance = float((errors**2).sum()) / float(max(count - _unknowns(problem), 1))
+    curved = mean_curvature(problem.loss, whitened_squares(problem, optimum))
+    hessian: Array = np.float64(curved) * scores.squared + np.diag(weight**2)
+    inverse = truncated_inverse(hessian, FLAT)
+    blocks = _block_count(errors)
+    own = variance * np.diag(weight**2)
+    by_blocks = inverse @ (_gathered(scores.samples, blocks) + own) @ inverse
+    by_colour = inverse @ (scores.coloured + own) @ inverse
+    white = inverse @ (variance * scores.squared + own) @ inverse
+    wide = np.diag(by_blocks) > np.diag(by_colour)
+    largest = np.maximum(np.diag(by_blocks), np.diag(by_colour))
+    std: Array = np.sqrt(np.maximum(largest, 0.0))
+    size = size_of(optimum.theta)
+    null = flat_directions(hessian * np.outer(size, size))
     involved = np.abs(null).max(axis=0) > 0.05 if len(null) else np.zeros(nq, bool)
-    return Uncertainty(covariance, np.where(involved, np.nan, std), null)
+    stretch = max((colour.stretch for colour in colours), default=1.0)
+    dof = np.where(wide, blocks - 1, max(count / stretch - nq, 1.0))
+    return Uncertainty(
+        _with_diagonal(by_colour, std),
+        inverse,
+        np.where(involved, np.nan, std),
+        null,
+        _quantile(dof),
+        largest / np.maximum(np.diag(white), 1e-300),
+    )
 
 
-def _null_directions(hessian: Array, theta: Array) -> Array:
-    """Return directions, as relative changes, along which the cost does not change."""
-    if not len(theta):
-        return np.zeros((0, 0))
-    scale = np.where(theta == 0.0, 1.0, np.abs(theta))
-    relative = hessian * np.outer(scale, scale)
-    values, vectors = np.linalg.eigh(relative)
-    flat = values < UNIDENTIFIABLE * max(values[-1], 1e-300)
-    result: Array = vectors[:, flat].T
+def _quantile(dof: Array) -> Array:
+    from scipy.special import stdtrit  # noqa: PLC0415  (slow to import)
+
+    quantile: Array = np.asarray(stdtrit(dof, 0.5 + CONFIDENCE / 2), np.float64)
+    return quantile
+
+
+def _with_diagonal(covariance: Array, std: Array) -> Array:
+    """Return the covariance with its correlations kept and these std."""
+    own = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    scale = np.divide(std, own, out=np.ones(len(own)), where=own > 0)
+    scaled: Array = covariance * np.outer(scale, scale)
+    return (scaled + scaled.T) / 2
+
+
+def _unknowns(problem: FitProblem) -> int:
+    """Return how many numbers were fitted: parameters and initial states."""
+    return len(problem.free) + problem.shots.n_windows * problem.model.n_states
+
+
+def whitened_squares(problem: FitProblem, optimum: Optimum) -> Array:
+    """Return the squared whitened residuals of what was measured."""
+    measured = np.isfinite(problem.shots.outputs)
+    return _whitened(problem, optimum)[measured] ** 2
+
+
+def influence(problem: FitProblem, optimum: Optimum) -> Array:
+    """Return ψ(r) per sample and output: residuals with the loss's weights."""
+    errors = _whitened(problem, optimum)
+    weighed: Array = errors * weight_of(problem.loss, errors**2)
+    return weighed
+
+
+def _whitened(problem: FitProblem, optimum: Optimum) -> Array:
+    return whitened(
+        optimum.linearisation.residuals,
+        problem.correlation,
+        problem.shots.edges,
+        np.isfinite(problem.shots.outputs),
+    )
+
+
+def _colours(problem: FitProblem, errors: Array, nq: int) -> tuple[Colour, ...]:
+    """Return the colour of each output's residuals, scaled to what was measured."""
+    fitted = _unknowns(problem) / len(problem.sigma)
+    found = []
+    for column, measured in zip(errors.T, problem.measured, strict=True):
+        share = len(column) / int(measured)
+        colour = colour_of(column, problem.shots.edges, int(fitted))
+        found.append(Colour(colour.coefficients, colour.innovation * share))
+    return tuple(found)
+
+
+def projected(problem: FitProblem, optimum: Optimum, part: Part) -> Array:
+    """Return the sensitivities (m, ny, nq) with each window's initial state free."""
+    at, nq = optimum.linearisation, len(optimum.theta)
+    own = truncated_inverse(at.hessian[part.windows, nq:, nq:])
+    gain = own @ at.hessian[part.windows, nq:, :nq]
+    sizes = np.diff(part.shots.edges)
+    windows = np.repeat(np.arange(len(sizes)), sizes)
+    result: Array = part.jacobian[:, :, :nq] - np.einsum(
+        "njx,nxq->njq", part.jacobian[:, :, nq:], gain[windows]
+    )
     return result
 
 
-def null_sentences(names: Sequence[str], null: Array) -> tuple[str, ...]:
-    """Return one sentence per combination the recordings do not determine."""
-    sentences = []
-    for direction in null:
-        moving = [
-            (name, weight)
-            for name, weight in zip(names, direction, strict=True)
-            if abs(weight) > 0.05 * np.abs(direction).max()
-        ]
-        if len(moving) == 1:
-            sentences.append(f"{moving[0][0]} has no effect on these recordings")
-        else:
-            largest = max(abs(weight) for _, weight in moving)
-            terms = ", ".join(f"{n} by {w / largest:+.2g}" for n, w in moving)
-            sentences.append(
-                "these recordings do not change when the parameters move together, in "
-                f"relative steps: {terms}"
-            )
-    return tuple(sentences)
+def _scores(
+    problem: FitProblem, optimum: Optimum, colours: tuple[Colour, ...]
+) -> _Scores:
+    nq = len(optimum.theta)
+    squared, coloured, pieces = np.zeros((nq, nq)), np.zeros((nq, nq)), []
+    for part in parts(problem, optimum.theta, optimum.initial):
+        slopes = projected(problem, optimum, part)
+        flat = slopes.reshape(slopes.shape[0] * slopes.shape[1], nq)
+        squared += flat.T @ flat
+        for j, colour in enumerate(colours):
+            if not len(colour.coefficients):
+                coloured += colour.gathered(slopes[:, j])
+                continue
+            for window in part.shots.slices:
+                coloured += colour.gathered(slopes[window, j])
+        weight = weight_of(problem.loss, part.errors**2)
+        pieces.append(np.einsum("njq,nj->nq", slopes, part.errors * weight))
+    return _Scores(squared, coloured, np.concatenate(pieces))
+
+
+def _block_count(errors: Array) -> int:
+    """Return into how many blocks to cut: each several correlation times long."""
+    longest = max(correlation_time(column) for column in errors.T)
+    independent = len(errors) // (CORRELATIONS_PER_BLOCK * longest)
+    return int(np.clip(independent, LEAST_BLOCKS, MOST_BLOCKS))
+
+
+def _gathered(samples: Array, blocks: int) -> Array:
+    totals = np.array([b.sum(axis=0) for b in np.array_split(samples, blocks)])
+    gathered: Array = totals.T @ totals * blocks / (blocks - 1)
+    return gathered
 
 
 def correlation_time(residual: Array) -> int:
