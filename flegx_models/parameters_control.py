@@ -57,22 +57,23 @@ _LOOPS: tuple[_Row, ...] = (
     ("damping_prototype", 0.6, "1", 0.05, "section 5.2.1"),
 )
 
-# Controllers K (s + z) / (1 + s/p): gain in A·s/rad, zero and pole in rad/s.
-_ControllerRow = tuple[str, float, float, float, str]
+# Controllers K (s + z) / (1 + s/p): gain in A·s/rad, zero (its digits as
+# printed) and pole in rad/s.
+_ControllerRow = tuple[str, float, str, float, str]
 
 _CONTROLLERS: tuple[_ControllerRow, ...] = (
-    ("lowerleg_flight", 1.4, 0.18, 50.0, "eq. 5.12"),
-    ("upperleg_flight", 1.4, 0.12, 40.0, "eq. 5.16"),
-    ("lowerleg_stance", 2.4, 0.18, 50.0, "eq. 5.20"),
-    ("upperleg_stance", 2.2, 0.3, 40.0, "eq. 5.24"),
-    ("lowerleg_flight_modified", 1.4, 1.8, 50.0, "section 5.2.1"),
-    ("upperleg_flight_modified", 1.4, 1.2, 40.0, "section 5.2.1"),
-    ("lowerleg_stance_modified", 2.4, 1.8, 50.0, "section 5.2.2"),
-    ("upperleg_stance_modified", 2.2, 3.0, 40.0, "section 5.2.2"),
-    ("lowerleg_flight_tuned", 1.5, 2.5, 50.0, "eq. 6.1"),
-    ("upperleg_flight_tuned", 1.6, 2.5, 40.0, "eq. 6.2"),
-    ("lowerleg_stance_tuned", 2.5, 3.0, 50.0, "eq. 6.3"),
-    ("upperleg_stance_tuned", 2.6, 6.0, 40.0, "eq. 6.4"),
+    ("lowerleg_flight", 1.4, "0.18", 50.0, "eq. 5.12"),
+    ("upperleg_flight", 1.4, "0.12", 40.0, "eq. 5.16"),
+    ("lowerleg_stance", 2.4, "0.18", 50.0, "eq. 5.20"),
+    ("upperleg_stance", 2.2, "0.3", 40.0, "eq. 5.24"),
+    ("lowerleg_flight_modified", 1.4, "1.8", 50.0, "section 5.2.1"),
+    ("upperleg_flight_modified", 1.4, "1.2", 40.0, "section 5.2.1"),
+    ("lowerleg_stance_modified", 2.4, "1.8", 50.0, "section 5.2.2"),
+    ("upperleg_stance_modified", 2.2, "3.0", 40.0, "section 5.2.2"),
+    ("lowerleg_flight_tuned", 1.5, "2.5", 50.0, "eq. 6.1"),
+    ("upperleg_flight_tuned", 1.6, "2.5", 40.0, "eq. 6.2"),
+    ("lowerleg_stance_tuned", 2.5, "3", 50.0, "eq. 6.3"),
+    ("upperleg_stance_tuned", 2.6, "6", 40.0, "eq. 6.4"),
 )
 
 _JUMP: tuple[_Row, ...] = (
@@ -117,13 +118,13 @@ def _inferred(name: str, value: float, unit: str, half: float, why: str) -> Para
 
 def _controller(row: _ControllerRow) -> tuple[Parameter, ...]:
     name, gain, zero, pole, where = row
-    half = 0.05 if round(zero, 1) == zero else 0.005
+    half = 10.0 ** -len(zero.partition(".")[2]) / 2
     return tuple(
         map(
             _parameter,
             (
                 (f"K_{name}", gain, "A*s/rad", 0.05, where),
-                (f"z_{name}", zero, "rad/s", half, where),
+                (f"z_{name}", float(zero), "rad/s", half, where),
                 (f"p_{name}", pole, "rad/s", 0.5, where),
             ),
         )

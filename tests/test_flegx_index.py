@@ -1,6 +1,7 @@
 """The table that leads from the thesis to the code does not rot."""
 
 import re
+import runpy
 from importlib import import_module
 from pathlib import Path
 
@@ -59,3 +60,18 @@ def test_a_row_leads_to_code_that_names_its_equations_and_to_a_test(
     assert thesis_equations(thesis) <= written
     file, _, function = test.partition("::")
     assert f"def {function}(" in (ROOT / "tests" / file).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    "chapter", ["chapter3", "chapter4_models", "chapter5_loops", "chapter6_jump"]
+)
+def test_a_chapters_script_still_finds_what_it_draws(chapter):
+    script = runpy.run_path(str(ROOT / "examples" / f"{chapter}.py"))
+    assert callable(script["main"])
+
+
+def test_chapter_5s_script_prints_its_tables():
+    script = runpy.run_path(str(ROOT / "examples" / "chapter5_loops.py"))
+    assert script["versions_table"]().count("\n") == 12
+    assert "45.20" in script["loop_table"]()
+    assert "-29.24" in script["gravity_table"]()
