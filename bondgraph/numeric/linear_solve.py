@@ -1,11 +1,11 @@
 """Small dense linear systems, compiled: LU with partial pivoting, in place."""
 
-from bondgraph.numeric.machine import Array, Integers, compiled
+from bondgraph.numeric.machine import Array, Integers, lean
 
 SINGULAR = 1e-300
 
 
-@compiled
+@lean
 def factor(a: Array, n: int, pivot: Integers) -> bool:
     """Factor ``a[:n, :n]`` in place; return False if it is singular."""
     for k in range(n):
@@ -26,7 +26,7 @@ def factor(a: Array, n: int, pivot: Integers) -> bool:
     return True
 
 
-@compiled
+@lean
 def substitute(a: Array, n: int, pivot: Integers, b: Array, m: int) -> None:
     """Solve in place for the `m` columns of ``b[:n, :m]`` after `factor`."""
     for k in range(n):

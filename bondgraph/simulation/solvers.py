@@ -63,4 +63,23 @@ class Sdirk3:
         return matrix, np.array([g, (1 + g) / 2, 1.0])
 
 
-Solver = Sdirk2 | Sdirk3
+@dataclass(frozen=True, slots=True)
+class RungeKutta4:
+    """The classical explicit method, four stages, order 4 (Kutta, 1901).
+
+    For models that are plain differential equations. The fastest where nothing is
+    stiff: a step longer than 2.7 of the shortest time constant is unstable.
+
+    Parameters
+    ----------
+    substeps
+        Steps between two samples.
+    """
+
+    substeps: int = 1
+
+
+Implicit = Sdirk2 | Sdirk3
+"""Methods that solve for rates and unknowns together, whatever the model."""
+
+Solver = RungeKutta4 | Implicit

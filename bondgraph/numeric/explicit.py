@@ -1,0 +1,94 @@
+"""The classical Runge-Kutta method over one window, compiled, with sensitivities.
+
+The tangents are those of the discrete solution: the derivative of what is computed.
+"""
+
+import math
+
+import numpy as np
+
+from bondgraph.numeric.machine import Array, Integers, compiled
+from bondgraph.numeric.native_calls import (
+    call_along,
+    call_slopes,
+    call_values,
+)
+from bondgraph.numeric.native_model import NativeSystem
+from bondgraph.numeric.native_samples import read_outputs, variables
+
+
+@compiled
+def integrate_explicit(  # noqa: C901, PLR0912  (a compiled loop)
+    system: NativeSystem, substeps: int, zero_hold: bool, parameters: Array,
+    directions: Integers, time: Array, u: Array, x0: Array,
+    outputs: Array, sensitivities: Array, states: Array,
+) -> int:  # fmt: skip
+    """Simulate one window; return how many samples were completed.
+
+    `directions` are the parameters whose sensitivities are wanted; those to the initial
+    state follow them. There are none where `sensitivities` has no rows.
+    """
+    nx, nu, nq, samples = system.nx, system.nu, len(directions), len(time)
+    n = nq + nx if len(sensitivities) else 0
+    v = variables(system, parameters)
+    clock = system.n_variables - 1
+    j = np.zeros(max(nx, system.ny, 1) * system.n_columns + 1)
+    d = np.zeros((nx + system.n_parameters, max(n, 1)))
+    dw = np.zeros((nx, max(n, 1)))
+    for i in range(nx):
+        v[i] = x0[i]
+    for i in range(nx if n > 0 else 0):
+        d[i, nq + i] = 1.0
+    for k in range(nq if n > 0 else 0):
+        d[nx + directions[k], k] = 1.0
+    for row in range(samples):
+        following = min(row + 1, samples - 1)
+        span = time[following] - time[row]
+        for i in range(nu):
+            v[2 * nx + i] = u[row, i]
+            if not zero_hold and span > 0.0:
+                v[2 * nx + nu + i] = (u[following, i] - u[row, i]) / span
+        v[clock] = time[row]
+        for i in range(nx):
+            states[row, i] = v[i]
+            if not math.isfinite(v[i]):
+                return row
+        if system.instantaneous:
+            _rates(system, v, j, d, dw, directions, n)
+        if not read_outputs(
+            system, v, j, d, dw, directions, n, outputs, sensitivities, row
+        ):
+            return row
+        if row == following:
+            break
+        h = span / substeps
+        for step in range(substeps):
+            v[clock + 1] = step * h
+            v[clock + 2] = h
+            if n > 0:
+                call_along(system.step_tangents, v, d, n)
+            else:
+                call_values(system.step, v)
+    return samples
+
+
+@compiled
+def _rates(
+    system: NativeSystem, v: Array, j: Array, d: Array, dk: Array,
+    directions: Integers, n: int,
+) -> None:  # fmt: skip
+    """Write ẋ into its variables, and its tangents where x moves along `d`."""
+    nx, nc = system.nx, system.n_columns
+    if n == 0:
+        call_values(system.values, v)
+    else:
+        call_slopes(system.slopes, v, j)
+    for i in range(nx):
+        v[nx + i] = v[system.n_variables + i]
+        for m in range(n):
+            total = 0.0
+            for k in range(nx):
+                total += j[i * nc + k] * d[k, m]
+            if m < len(directions):
+                total += j[i * nc + 2 * nx + directions[m]]
+            dk[i, m] = total

@@ -1,0 +1,161 @@
+"""A diagonally implicit Runge-Kutta method over one window, in native code.
+
+The same steps as `bondgraph.numeric.kernel` takes on a tape, with the same
+sensitivities: those of the discrete solution.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from bondgraph.numeric.machine import Array, Integers, compiled, inlined, lean
+from bondgraph.numeric.native_model import NativeSystem
+from bondgraph.numeric.native_samples import read_outputs, variables
+from bondgraph.numeric.native_stage import Stage, differentiate, make_stage, solve
+
+
+class Tableau(NamedTuple):
+    """A method's matrix (last row = weights) and nodes, and steps per sample."""
+
+    a: Array
+    c: Array
+    substeps: int
+    zero_hold: bool
+
+
+class Path(NamedTuple):
+    """Where the step is: state, stage base point, slopes, and their tangents."""
+
+    x: Array
+    dx: Array
+    base: Array
+    dbase: Array
+    k: Array
+    dk: Array
+    slope: Array
+
+
+@compiled
+def integrate_implicit(
+    system: NativeSystem, method: Tableau, parameters: Array, directions: Integers,
+    time: Array, u: Array, x0: Array,
+    outputs: Array, sensitivities: Array, states: Array,
+) -> int:  # fmt: skip
+    """Simulate one window; return how many samples were completed.
+
+    `directions` are the parameters whose sensitivities are wanted; those to the initial
+    state follow them. There are none where `sensitivities` has no rows.
+    """
+    nx, nq, stages = system.nx, len(directions), len(method.c)
+    n = nq + nx if len(sensitivities) else 0
+    width = max(n, 1)
+    stage = make_stage(system, variables(system, parameters), n)
+    path = Path(
+        x=x0.copy(),
+        dx=np.zeros((nx, width)),
+        base=np.zeros(nx),
+        dbase=np.zeros((nx, width)),
+        k=np.zeros((stages, nx)),
+        dk=np.zeros((stages, nx, width)),
+        slope=np.zeros(system.nu),
+    )
+    for i in range(nx if n > 0 else 0):
+        path.dx[i, nq + i] = 1.0
+    jy = np.zeros(system.ny * system.n_columns + 1)
+    return _run(
+        system, method, stage, path, jy, directions, n, time, u,
+        outputs, sensitivities, states,
+    )  # fmt: skip
+
+
+@lean
+def _run(  # noqa: C901  (a compiled loop)
+    system: NativeSystem, method: Tableau, stage: Stage, path: Path, jy: Array,
+    directions: Integers, n: int, time: Array, u: Array,
+    outputs: Array, sensitivities: Array, states: Array,
+) -> int:  # fmt: skip
+    nx, nu, samples = system.nx, system.nu, len(time)
+    v, at_u = stage.v, 2 * nx + system.nz
+    for row in range(samples):
+        following = min(row + 1, samples - 1)
+        span = time[following] - time[row]
+        for i in range(nu):
+            if not method.zero_hold and span > 0.0:
+                path.slope[i] = (u[following, i] - u[row, i]) / span
+            v[at_u + nu + i] = path.slope[i]
+        _set_inputs(system, v, u, row, path.slope, time[row], 0.0)
+        if system.instantaneous and nx + system.nz > 0:
+            if not solve(system, stage, path.x, 0.0):
+                return row
+            if n > 0 and not differentiate(system, stage, path.dx, 0.0, directions, n):
+                return row
+        for i in range(nx):
+            v[i] = path.x[i]
+            states[row, i] = path.x[i]
+        if not read_outputs(
+            system, v, jy, path.dx, stage.dw, directions, n, outputs, sensitivities, row
+        ):
+            return row
+        h = span / method.substeps
+        for step in range(method.substeps if row < following and nx > 0 else 0):
+            if not _advance(
+                system, method, stage, path, directions, n, u, row, time[row],
+                step * h, h,
+            ):  # fmt: skip
+                return row
+    return samples
+
+
+@inlined
+def _set_inputs(
+    system: NativeSystem, v: Array, u: Array, row: int, slope: Array, time: float,
+    elapsed: float,
+) -> None:  # fmt: skip
+    """Write u and t at `elapsed` seconds after a sample."""
+    at = 2 * system.nx + system.nz
+    for i in range(system.nu):
+        v[at + i] = u[row, i] + slope[i] * elapsed
+    v[system.n_variables - 1] = time + elapsed
+
+
+@inlined
+def _advance(  # noqa: C901, PLR0912  (a compiled loop)
+    system: NativeSystem, method: Tableau, stage: Stage, path: Path,
+    directions: Integers, n: int, u: Array, row: int, time: float, elapsed: float,
+    h: float,
+) -> bool:  # fmt: skip
+    """Take one step of size `h`; False where it fails."""
+    nx, a, stages = system.nx, method.a, len(method.c)
+    for s in range(stages):
+        at = elapsed + method.c[s] * h
+        _set_inputs(system, stage.v, u, row, path.slope, time, at)
+        for i in range(nx):
+            path.base[i] = path.x[i]
+            for r in range(s):
+                path.base[i] += h * a[s, r] * path.k[r, i]
+        part = h * a[s, s]
+        if not solve(system, stage, path.base, part):
+            return False
+        for i in range(nx):
+            path.k[s, i] = stage.w[i]
+        if n > 0:
+            for i in range(nx):
+                for m in range(n):
+                    path.dbase[i, m] = path.dx[i, m]
+                    for r in range(s):
+                        path.dbase[i, m] += h * a[s, r] * path.dk[r, i, m]
+            if not differentiate(system, stage, path.dbase, part, directions, n):
+                return False
+            for i in range(nx):
+                for m in range(n):
+                    path.dk[s, i, m] = stage.dw[i, m]
+    for i in range(nx):
+        for s in range(stages):
+            weight = h * a[stages - 1, s]
+            path.x[i] += weight * path.k[s, i]
+            for m in range(n):
+                path.dx[i, m] += weight * path.dk[s, i, m]
+        if not math.isfinite(path.x[i]):
+            return False
+    return True

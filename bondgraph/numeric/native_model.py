@@ -1,0 +1,152 @@
+"""A whole model in native code, as the compiled time loops see it."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from bondgraph.numeric.model import NumericModel
+from bondgraph.numeric.native import (
+    NativeCode,
+    compiled_text,
+    module_text,
+    slopes_of,
+    values_of,
+)
+from bondgraph.numeric.native_step import Sizes, step, step_tangents
+from bondgraph.numeric.tape import Tape, degrees
+
+
+class NativeSystem(NamedTuple):
+    """Addresses and sizes; variables are x, ẋ, z, u, u̇, p, t, then results.
+
+    Slopes have the columns x, ẋ, z and, where sensitivities are wanted, all p.
+    """
+
+    values: int
+    slopes: int
+    read: int
+    read_slopes: int
+    step: int
+    step_tangents: int
+    n_columns: int
+    nx: int
+    nz: int
+    nu: int
+    ny: int
+    n_parameters: int
+    n_variables: int
+    linear: bool
+    instantaneous: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NativeModel:
+    """A `NativeSystem` with the owner of its code."""
+
+    system: NativeSystem
+    code: NativeCode
+
+
+@dataclass(frozen=True, slots=True)
+class _Written:
+    """A tape as a value that can be compared: equal ones are compiled once."""
+
+    n_variables: int
+    constants: bytes
+    code: bytes
+    outputs: bytes
+
+    @classmethod
+    def of(cls, tape: Tape) -> "_Written":
+        parts = (tape.constants, tape.code, tape.outputs)
+        return cls(tape.n_variables, *(part.tobytes() for part in parts))
+
+    def tape(self) -> Tape:
+        return Tape(
+            n_variables=self.n_variables,
+            constants=np.frombuffer(self.constants),
+            code=np.frombuffer(self.code, dtype=np.int64).reshape(-1, 4),
+            outputs=np.frombuffer(self.outputs, dtype=np.int64),
+            degree=np.zeros(0, dtype=np.int64),
+        )
+
+
+def native_model(
+    model: NumericModel, *, sensitive: bool, explicit: bool = False, lanes: int = 1
+) -> NativeModel:
+    """Return the native code of a model.
+
+    Parameters
+    ----------
+    sensitive
+        Whether slopes along the parameters are wanted, too.
+    explicit
+        Whether it is for steps of the classical Runge-Kutta method, or for Newton's.
+    lanes
+        How many parameter sets are stepped at once (explicit, not sensitive).
+    """
+    nx, nu, ny = model.n_states, len(model.input_names), len(model.output_names)
+    nz, n_parameters = model.n_unknowns, len(model.parameter_names)
+    first = 2 * nx + nz + 2 * nu
+    columns = list(range(2 * nx + nz))
+    if sensitive:
+        columns += range(first, first + n_parameters)
+    code = _compiled(
+        _Written.of(model.dynamics),
+        _Written.of(model.output),
+        Sizes(states=nx, inputs=nu, parameters=n_parameters) if explicit else None,
+        tuple(columns),
+        sensitive,
+        lanes,
+    )
+    system = NativeSystem(
+        values=code["values"],
+        slopes=code["slopes"],
+        read=code["read"],
+        read_slopes=code["read_slopes"],
+        step=code["step"],
+        step_tangents=code["step_tangents"],
+        n_columns=len(columns),
+        nx=nx,
+        nz=nz,
+        nu=nu,
+        ny=ny,
+        n_parameters=n_parameters,
+        n_variables=model.dynamics.n_variables,
+        linear=model.linear,
+        instantaneous=model.instantaneous,
+    )
+    return NativeModel(system, code)
+
+
+@lru_cache(maxsize=256)
+def _compiled(
+    dynamics: _Written,
+    output: _Written,
+    sizes: Sizes | None,
+    columns: tuple[int, ...],
+    sensitive: bool,
+    lanes: int,
+) -> NativeCode:
+    rates, read = dynamics.tape(), output.tape()
+    functions = [values_of(rates, "values", lanes)]
+    if sensitive or sizes is None:
+        functions.append(slopes_of(rates, "slopes", columns))
+    if sensitive:
+        functions.append(slopes_of(read, "read_slopes", columns))
+    else:
+        functions.append(values_of(read, "read", lanes))
+    if sizes is not None:
+        step_function = step_tangents(rates, sizes) if sensitive else None
+        functions.append(step_function or step(rates, sizes, lanes))
+    return compiled_text(module_text(functions, lanes))
+
+
+def is_explicit(model: NumericModel) -> bool:
+    """Return whether ẋ is a function of x, u, p and t alone."""
+    nx = model.n_states
+    active = [False] * model.dynamics.n_variables
+    active[nx : 2 * nx] = [True] * nx
+    return model.n_unknowns == 0 and not degrees(model.dynamics, active).any()

@@ -1,0 +1,129 @@
+"""Windows simulated in native code: arrays in, arrays out, on two threads."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.errors import EquationError
+from bondgraph.numeric.model import NumericModel
+from bondgraph.simulation.solvers import RungeKutta4, Sdirk2, Sdirk3
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+THREADS = 2
+WORTH_A_THREAD = 2000
+"""Samples; a shorter simulation ends before a thread has begun."""
+
+
+@dataclass(frozen=True, slots=True)
+class Windows:
+    """What is simulated: samples laid end to end, their edges, initial states."""
+
+    time: Array
+    inputs: Array
+    edges: Integers
+    initial: Array
+
+
+@dataclass(frozen=True, slots=True)
+class NativeRun:
+    """Outputs, states and sensitivities as in `Shooting`; samples done per window."""
+
+    outputs: Array
+    states: Array
+    sensitivities: Array
+    done: Integers
+
+
+def run_native(
+    model: NumericModel,
+    windows: Windows,
+    parameters: Array,
+    directions: Integers | None,
+    solver: RungeKutta4 | Sdirk2 | Sdirk3,
+    *,
+    zero_hold: bool,
+) -> NativeRun:
+    """Simulate every window in native code.
+
+    Parameters
+    ----------
+    directions
+        Parameters whose sensitivities are wanted; None for no sensitivities at all.
+
+    Raises
+    ------
+    EquationError
+        If an explicit method is asked for a model whose rates are only implicit.
+    """
+    from bondgraph.numeric.native_model import native_model  # noqa: PLC0415  (LLVM)
+
+    explicit = isinstance(solver, RungeKutta4)
+    if explicit:
+        _refuse_implicit(model)
+    native = native_model(model, sensitive=directions is not None, explicit=explicit)
+    n, nx, ny = len(windows.time), model.n_states, len(model.output_names)
+    wanted = np.zeros(0, np.int64) if directions is None else directions
+    rows = 0 if directions is None else n
+    run = NativeRun(
+        np.full((n, ny), np.nan),
+        np.full((n, nx), np.nan),
+        np.zeros((rows, ny, len(wanted) + nx)),
+        np.zeros(len(windows.edges) - 1, dtype=np.int64),
+    )
+    given = (parameters, wanted, windows.time, windows.inputs, windows.initial)
+    filled = (run.outputs, run.sensitivities, run.states, windows.edges)
+    simulate: Callable[[int, int], None]
+    if isinstance(solver, RungeKutta4):
+        from bondgraph.numeric.native_windows import explicit_windows  # noqa: PLC0415
+
+        def simulate(first: int, last: int) -> None:
+            explicit_windows(
+                native.system, solver.substeps, zero_hold, *given, *filled,
+                first, last, run.done,
+            )  # fmt: skip
+    else:
+        from bondgraph.numeric.native_implicit import Tableau  # noqa: PLC0415
+        from bondgraph.numeric.native_windows import implicit_windows  # noqa: PLC0415
+
+        method = Tableau(*solver.tableau, solver.substeps, zero_hold)
+
+        def simulate(first: int, last: int) -> None:
+            implicit_windows(
+                native.system, method, *given, *filled, first, last, run.done
+            )
+
+    _share(simulate, len(run.done), n)
+    return run
+
+
+def _share(simulate: Callable[[int, int], None], windows: int, samples: int) -> None:
+    """Simulate all windows, on several threads where they are long enough."""
+    if windows < THREADS or samples < WORTH_A_THREAD:
+        simulate(0, windows)
+        return
+    edges = np.linspace(0, windows, THREADS + 1).astype(int).tolist()
+    with ThreadPoolExecutor(THREADS) as pool:
+        list(pool.map(simulate, edges[:-1], edges[1:]))
+
+
+def _refuse_implicit(model: NumericModel) -> None:
+    from bondgraph.numeric.native_model import is_explicit  # noqa: PLC0415  (LLVM)
+
+    if model.set_valued is not None:
+        raise EquationError(
+            f"{model.name!r} has dry friction that can stick; an explicit method "
+            "cannot hold it still.",
+            (model.name,),
+            "Use Sdirk2() or Sdirk3(), or write tanh(f / slip) instead of sign(f).",
+        )
+    if not is_explicit(model):
+        raise EquationError(
+            f"The rates of {model.name!r} are only given implicitly "
+            f"({model.n_unknowns} unknowns besides them).",
+            (model.name,),
+            "Use Sdirk2() or Sdirk3(), which solve for them.",
+        )
