@@ -139,11 +139,18 @@ def main() -> None:
     data = (time_axis, torque, angle)
     print(f"angle from {angle.min():.1f} to {angle.max():.1f} rad")
     rows = []
-    for strategy in (Direct(), GrowingWindows(), MultipleShooting()):
+    # The direct descent wanders to its iteration limit: a few starts show it.
+    few = max(count // 4, 1)
+    for strategy, tried in (
+        (GrowingWindows(), count),
+        (MultipleShooting(), count),
+        (Direct(), few),
+    ):
         begin = time.process_time()
-        hits = sum(reaches(strategy, start, data) for start in starts(count))
-        spent = (time.process_time() - begin) / count
-        rows.append((type(strategy).__name__, f"{hits}/{count}", f"{spent:.2g} s"))
+        hits = sum(reaches(strategy, start, data) for start in starts(tried))
+        spent = (time.process_time() - begin) / tried
+        rows.append((type(strategy).__name__, f"{hits}/{tried}", f"{spent:.2g} s"))
+        print(rows[-1], flush=True)
     print_table(
         "Starts that reach the parameters",
         ("strategy", "reached", "processor time per start"),

@@ -201,9 +201,8 @@ def linearise_windows(
             cost[at] = np.add.reduceat(own, edges[:-1])
         cost[at] = np.where(part.shot.completed, cost[at], np.inf)
     fine = np.isfinite(cost) & np.isfinite(hessian).all(axis=(1, 2))
-    return Linearisation(
-        residuals, hessian, slope, np.where(fine, cost, np.inf), states
-    )
+    hessian[~fine], slope[~fine], cost[~fine] = 0.0, 0.0, np.inf
+    return Linearisation(residuals, hessian, slope, cost, states)
 
 
 def reduced_hessian(at: Linearisation, n_parameters: int) -> Array:
