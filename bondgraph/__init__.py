@@ -170,6 +170,7 @@ _HOME = {
         "loop_sheet",
         "comparison_sheet",
         "write_picture",
+        "SheetRow",
     ),
     "bondgraph.reconciliation.reconcile": ("reconcile",),
     "bondgraph.reconciliation.published": (
@@ -429,6 +430,7 @@ if TYPE_CHECKING:
     from bondgraph.reporting.export.exporting import PythonFunctions as PythonFunctions
     from bondgraph.reporting.export.exporting import PythonModel as PythonModel
     from bondgraph.reporting.export.exporting import export as export
+    from bondgraph.reporting.loop_pictures import SheetRow as SheetRow
     from bondgraph.reporting.loop_pictures import comparison_sheet as comparison_sheet
     from bondgraph.reporting.loop_pictures import loop_sheet as loop_sheet
     from bondgraph.reporting.loop_pictures import write_picture as write_picture
