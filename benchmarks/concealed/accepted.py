@@ -59,6 +59,11 @@ WORDS: dict[str, tuple[tuple[str, ...], str]] = {
         ("overflow", "end_stop", "saturation", UNKNOWN),
         "a flow that begins above a threshold of effort; no word names it",
     ),
+    "link_modes": (
+        ("compliance", "added_compliance"),
+        "many modes; the library has one spring, which is the nearest truth",
+    ),
+    "compliance": (("compliance", "added_compliance"), "one thing in two words"),
     "radiation": (("radiation", UNKNOWN), "not a word of the first vocabulary"),
 }
 """Words by law; a law that is not listed has its own word only."""

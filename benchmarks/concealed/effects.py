@@ -82,6 +82,10 @@ PLACE_LAWS: Mapping[str, tuple[int, Callable[[float, Scales], Numbers]]] = {
         laws.OVERFLOW,
         lambda a, s: (4.0 * s.effort / s.flow, s.flow_highest * (1.0 - a)),
     ),
+    "diode": (
+        laws.OVERFLOW,
+        lambda a, s: (10.0 * s.effort / s.flow, s.flow_highest * (1.0 - a)),
+    ),
     "square_root_orifice": (
         laws.ROOT,
         lambda a, s: (a * s.effort / np.sqrt(max(s.flow, 1e-30)),),

@@ -88,7 +88,8 @@ def _base_state(machine: Machine, state: Array) -> Array:
     if extra == n:
         return state.copy()
     q, v, z = state[:extra], state[extra : 2 * extra], state[2 * extra :]
-    return np.concatenate((q[-n:], v[-n:], z))
+    kept = slice(0, n) if n > 1 else slice(extra - n, extra)
+    return np.concatenate((q[kept], v[kept], z))
 
 
 def _state_steps(machine: Machine, run: Run) -> Array:
@@ -175,7 +176,8 @@ def _orthonormal(columns: Array) -> Array:
 def amplitude_for(absorbed: Absorbed, site: Site, wanted: float) -> float:
     """Return the amplitude at which the strength is about `wanted`.
 
-    It is at most the largest that makes sense. Strength grows roughly in proportion; a few corrected steps come close enough.
+    It is at most the largest that makes sense. Strength grows roughly in proportion; a
+    few corrected steps come close enough.
     """
     amplitude = 0.05 * site.largest
     low, high = 0.0, site.largest

@@ -5,7 +5,7 @@ import math
 from benchmarks.concealed.compiling import FORCES, MASSES, READINGS, compiled
 from benchmarks.concealed.machine import Drive, Machine, Number, Place, Sensor, Site
 
-MODEL = '''"""Pendulum with its weight, a bearing and a torque; its angle is measured."""
+MODEL = '''"""Pendulum with weight, bearing and torque; its angle is measured."""
 
 import sympy
 

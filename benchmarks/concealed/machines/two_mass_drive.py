@@ -1,6 +1,10 @@
-"""Two inertias on a shaft that twists: motor and load, a position loop on the motor."""
+"""Two inertias on a shaft that twists: motor and load, a loop on the motor.
+
+In the variant ``flexible`` the load is itself a flexible link of many modes.
+"""
 
 import math
+from dataclasses import replace
 
 from benchmarks.concealed.compiling import FORCES, MASSES, READINGS, compiled
 from benchmarks.concealed.machine import (
@@ -60,9 +64,28 @@ def readings(q, v, z, u, p, acceleration, y):
     y[0], y[1] = q[0], q[1]
 
 
+@compiled(FORCES)
+def flexible_forces(q, v, z, u, p, acceleration, F, g, load, stored):
+    """Return the torques where the load is a hub and five lumps on soft joints."""
+    forces(q, v, z, u, p, acceleration, F, g, load, stored)
+    for i in range(1, 6):
+        torque = (q[i] - q[i + 1]) / p[8] + p[9] * (v[i] - v[i + 1])
+        F[i] -= torque
+        F[i + 1] += torque
+
+
+@compiled(MASSES)
+def flexible_masses(q, v, p, M):
+    """Half of the load is its hub, a tenth is each lump."""
+    M[:] = 0.0
+    M[0, 0], M[1, 1] = p[0], p[4] / 2.0
+    for i in range(2, 7):
+        M[i, i] = p[4] / 10.0
+
+
 NOISE, STEP = 2e-4, 2 * math.pi / 2**15
 
-TWO_MASS_DRIVE = Machine(
+_STIFF = Machine(
     name="two_mass_drive",
     domains=("rotation",),
     forces=forces,
@@ -78,6 +101,8 @@ TWO_MASS_DRIVE = Machine(
         Number(name="b_load", value=0.03, unit="N*m*s/rad", free=True),
         Number(name="half_gap", value=0.0, hidden=True),
         Number(name="cubic", value=0.0, hidden=True),
+        Number(name="joint", value=0.0, hidden=True),
+        Number(name="joint_damping", value=2e-4, hidden=True),
     ),
     places=(
         Place(name="motor", row=(1.0, 0.0)),
@@ -115,6 +140,8 @@ TWO_MASS_DRIVE = Machine(
              sets=lambda a, s: {"half_gap": a * s["twist.reach"]}),
         Site(word="hardening_spring", place="twist", largest=20.0,
              sets=lambda a, s: {"cubic": a * 40.0 / s["twist.reach"] ** 2}),
+        Site(word="compliance", place="load", variant="flexible", law="link_modes",
+             largest=3.0, sets=lambda a, s: {"joint": a * 0.02}),
         Site(word="cogging", place="motor"),
         Site(word="gravity", place="load"),
         Site(word="spring", place="load"),
@@ -132,3 +159,12 @@ TWO_MASS_DRIVE = Machine(
         Site(word="tabulated_law", place="load"),
     ),
 )  # fmt: skip
+
+FLEXIBLE = replace(
+    _STIFF,
+    forces=flexible_forces,
+    masses=flexible_masses,
+    coordinates=7,
+    places=tuple(replace(one, row=(*one.row, *[0.0] * 5)) for one in _STIFF.places),
+)
+TWO_MASS_DRIVE = replace(_STIFF, variants={"flexible": FLEXIBLE})
