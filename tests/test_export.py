@@ -560,7 +560,6 @@ def test_modelica_runs_as_our_simulation(case: Case, tmp_path: Path) -> None:
 NO_OWN_RUN = {
     "lifted_mass_with_friction": "our fixed steps do not hold a mass that sticks",
     "load_dependent_friction": "our fixed steps do not hold a mass that sticks",
-    "diode_bridge": "our fixed steps do not find a start for its four diodes",
     "functions": "its law jumps where the spring starts, and the mass rests there",
 }
 

@@ -14,6 +14,7 @@ from bondgraph.causality.assignment import assign_causality
 from bondgraph.causality.records import CausalAssignment
 from bondgraph.equations.definitions import Definitions, reserved_names
 from bondgraph.equations.differentiation import TimeDerivative
+from bondgraph.equations.dry_friction import set_valued_signs
 from bondgraph.equations.singularity import refuse_singular
 from bondgraph.equations.sorting import (
     components,
@@ -83,6 +84,7 @@ class _Derivation:
             for m in graph.measurements
         ]
         kept, self.aliases = without_aliases(self.definitions.given)
+        self.dry = set_valued_signs(self.definitions, kept, self.aliases)
         self.given = {s: d.expression for s, d in kept.items()}
         self.why = {s: f"{d.reason} ({d.origin})" for s, d in kept.items()}
         self.origin = {s: d.origin for s, d in kept.items()}
@@ -197,6 +199,7 @@ class _Derivation:
             causes=tuple(self.unknowns[s].elements for s in unknowns),
             further=tuple(map(self._assignment, self._further(spare, needed))),
             signals=self._signals(),
+            dry_friction=self.dry,
         )
         _check_symbols(equations)
         refuse_singular(equations)

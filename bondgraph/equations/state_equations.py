@@ -90,6 +90,9 @@ class StateEquations:
     signals
         The effort and flow of every bond, element and junction, and the momentum and
         displacement of storages, by (quantity, place); see `signal`.
+    dry_friction
+        For each assigned symbol or unknown that the law of a dry R gives, those
+        ``sign(…)`` in its expression (residual) that are set-valued at zero.
     """
 
     name: str
@@ -107,6 +110,9 @@ class StateEquations:
     causes: tuple[tuple[str, ...], ...] = ()
     further: tuple[Assignment, ...] = ()
     signals: Mapping[tuple[Quantity, str], sympy.Expr] = field(default_factory=dict)
+    dry_friction: Mapping[sympy.Symbol, tuple[sympy.Expr, ...]] = field(
+        default_factory=dict
+    )
 
     def __repr__(self) -> str:
         counts = (

@@ -5,73 +5,53 @@ they are exact to rounding whatever the step. Inputs are held or joined by strai
 lines between samples.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
-from bondgraph.numeric.machine import Array, Integers, compiled, run
-from bondgraph.numeric.stage import (
-    System,
-    Work,
-    make_work,
-    solve_stage,
-    stage_sensitivity,
+from bondgraph.numeric.machine import Array, Integers, compiled, lean, run
+from bondgraph.numeric.stage import solve_stage, stage_sensitivity
+from bondgraph.numeric.stage_arrays import System, Work, make_work
+from bondgraph.numeric.stepping import (
+    GLANCE,
+    Drive,
+    Method,
+    Steps,
+    advance,
+    make_steps,
+    set_inputs,
 )
-
-
-class Method(NamedTuple):
-    """A Runge-Kutta method: matrix (last row = weights), nodes, steps per sample."""
-
-    a: Array
-    c: Array
-    substeps: int
-    zero_hold: bool
 
 
 class Results(NamedTuple):
     """Arrays to fill: outputs (n, ny), their sensitivities, states (n, nx).
 
-    Sensitivities (n, ny, nq + nx) are left out where the array has no rows.
+    Sensitivities (n, ny, nq + nx) are left out where the array has no rows. ``modes``
+    and ``since`` (n, nd): the mode of each dry friction, and when it took it.
     """
 
     outputs: Array
     sensitivities: Array
     states: Array
+    modes: Integers
+    since: Array
 
 
-class Steps(NamedTuple):
-    """Scratch of the time stepping: stage base point, slopes, and their tangents."""
-
-    base: Array
-    dbase: Array
-    k: Array
-    dk: Array
-
-
-@compiled
-def _set_inputs(
-    system: System, v: Array, u: Array, slope: Array, time: float, elapsed: float
-) -> None:
-    """Write u, u̇ and t at `elapsed` seconds after a sample at `time`."""
-    at = 2 * system.nx + system.nz
-    for i in range(system.nu):
-        v[at + i] = u[i] + slope[i] * elapsed
-        v[at + system.nu + i] = slope[i]
-    v[at + 2 * system.nu + system.n_parameters] = time + elapsed
-
-
-@compiled
+@lean
 def _read_outputs(
-    system: System, work: Work, x: Array, dx: Array, row: int, results: Results, n: int
-) -> bool:
-    """Write outputs (and sensitivities) of one sample; False where w is not found."""
+    system: System, work: Work, x: Array, dx: Array, glance: float, row: int,
+    results: Results, n: int,
+) -> bool:  # fmt: skip
+    """Write outputs (and sensitivities) of one sample; False where w is not found.
+
+    What a friction holds shows only over a time; `glance` is that time.
+    """
     nx, nw = system.nx, system.nx + system.nz
     solved = system.instantaneous and nw > 0
     if solved:
-        if not solve_stage(system, work, x, 0.0):
+        if not solve_stage(system, work, x, glance):
             return False
-        stage_sensitivity(system, work, dx, n)
+        stage_sensitivity(system, work, dx, glance, n)
     for i in range(nx):
         work.vo[i] = x[i]
         results.states[row, i] = x[i]
@@ -90,39 +70,25 @@ def _read_outputs(
     return True
 
 
-@compiled
-def _advance(
-    system: System, work: Work, method: Method, steps: Steps, x: Array, dx: Array,
-    u: Array, slope: Array, time: float, elapsed: float, h: float, n: int,
-) -> bool:  # fmt: skip
-    """Take one Runge-Kutta step of size `h` in place; False where it fails."""
-    nx, stages = system.nx, len(method.c)
-    for stage in range(stages):
-        _set_inputs(system, work.v, u, slope, time, elapsed + method.c[stage] * h)
-        for i in range(nx):
-            steps.base[i] = x[i]
-            for j in range(stage):
-                steps.base[i] += h * method.a[stage, j] * steps.k[j, i]
-        if not solve_stage(system, work, steps.base, h * method.a[stage, stage]):
-            return False
-        for i in range(nx):
-            steps.k[stage, i] = work.w[i]
-            for m in range(n):
-                steps.dbase[i, m] = dx[i, m]
-                for j in range(stage):
-                    steps.dbase[i, m] += h * method.a[stage, j] * steps.dk[j, i, m]
-        if n > 0:
-            stage_sensitivity(system, work, steps.dbase, n)
-            steps.dk[stage, :, :n] = work.sensitivity[:nx, :n]
-    for i in range(nx):
-        for j in range(stages):
-            weight = h * method.a[stages - 1, j]
-            x[i] += weight * steps.k[j, i]
-            for m in range(n):
-                dx[i, m] += weight * steps.dk[j, i, m]
-        if not math.isfinite(x[i]):
-            return False
-    return True
+@lean
+def _note_modes(
+    work: Work, steps: Steps, row: int, now: float, results: Results
+) -> None:
+    """Write the modes of the frictions, and when they took them."""
+    for k in range(len(work.mode)):
+        last = results.modes[row - 1, k] if row > 0 else work.mode[k]
+        if row > 0 and steps.since[k] <= results.since[row - 1, k]:
+            changed = work.mode[k] != last
+            steps.since[k] = now if changed else results.since[row - 1, k]
+        results.modes[row, k] = work.mode[k]
+        results.since[row, k] = steps.since[k]
+
+
+@lean
+def _put(v: Array, at: int, values: Array) -> None:
+    """Write `values` at ``v[at:]``; slices would take seconds to compile."""
+    for i in range(len(values)):
+        v[at + i] = values[i]
 
 
 @compiled
@@ -130,30 +96,21 @@ def integrate(
     system: System, method: Method, constants: Array, output_constants: Array,
     parameters: Array, directions: Integers, time: Array, u: Array, x0: Array,
     results: Results,
-) -> int:  # fmt: skip
-    """Simulate one window; return how many samples were completed.
+) -> tuple[int, int, int]:  # fmt: skip
+    """Simulate one window; return how many samples were completed, and what failed.
 
     `directions` are the parameters whose sensitivities are wanted; those of the initial
     state follow them.
     """
     nx, nq = system.nx, len(directions)
     n = nq + nx if len(results.sensitivities) else 0
-    slots = system.first + system.dynamics.shape[0]
-    slots_output = system.first_output + system.output.shape[0]
-    work = make_work(slots, slots_output, nx + system.nz, n)
-    steps = Steps(
-        np.zeros(nx),
-        np.zeros((nx, max(n, 1))),
-        np.zeros((len(method.c), nx)),
-        np.zeros((len(method.c), nx, max(n, 1))),
-    )
+    work = make_work(system, n)
+    steps = make_steps(system, len(method.c), n)
     at = 2 * nx + system.nz + 2 * system.nu
-    work.v[system.first - len(constants) : system.first] = constants
-    work.vo[system.first_output - len(output_constants) : system.first_output] = (
-        output_constants
-    )
-    work.v[at : at + len(parameters)] = parameters
-    work.vo[at : at + len(parameters)] = parameters
+    _put(work.v, system.first - len(constants), constants)
+    _put(work.vo, system.first_output - len(output_constants), output_constants)
+    _put(work.v, at, parameters)
+    _put(work.vo, at, parameters)
     x, dx = x0.copy(), np.zeros((nx, max(n, 1)))
     for k in range(min(nq, n)):
         work.dq[at + directions[k], k] = 1.0
@@ -161,23 +118,29 @@ def integrate(
     for i in range(nx if n > 0 else 0):
         dx[i, nq + i] = 1.0
     slope = np.zeros(system.nu)
+    glance = 0.0
     for row in range(len(time)):
         following = min(row + 1, len(time) - 1)
         span = time[following] - time[row]
         if not method.zero_hold and span > 0.0:
-            slope[:] = (u[following] - u[row]) / span
-        _set_inputs(system, work.v, u[row], slope, time[row], 0.0)
-        _set_inputs(system, work.vo, u[row], slope, time[row], 0.0)
-        if not _read_outputs(system, work, x, dx, row, results, n):
-            return row
+            for i in range(system.nu):
+                slope[i] = (u[following, i] - u[row, i]) / span
+        if system.nd > 0:
+            glance = GLANCE * span if span > 0.0 else max(glance, GLANCE)
+        drive = Drive(u[row], slope, time[row])
+        set_inputs(system, work.v, drive, 0.0)
+        set_inputs(system, work.vo, drive, 0.0)
+        unjudged = system.nd > 0 and row == 0 and not system.instantaneous
+        if unjudged and not solve_stage(system, work, x, glance):
+            return row, work.trouble[0], work.trouble[1]
+        if not _read_outputs(system, work, x, dx, glance, row, results, n):
+            return row, work.trouble[0], work.trouble[1]
+        _note_modes(work, steps, row, time[row], results)
         h = span / method.substeps
         for step in range(method.substeps if row < following and nx > 0 else 0):
-            if not _advance(
-                system, work, method, steps, x, dx,
-                u[row], slope, time[row], step * h, h, n,
-            ):  # fmt: skip
-                return row
-    return len(time)
+            if not advance(system, work, method, steps, x, dx, drive, step * h, h, n):
+                return row, work.trouble[0], work.trouble[1]
+    return len(time), 0, 0
 
 
 @compiled
@@ -185,6 +148,7 @@ def integrate_windows(
     system: System, method: Method, constants: Array, output_constants: Array,
     parameters: Array, directions: Integers, time: Array, u: Array, x0: Array,
     results: Results, edges: Integers, first: int, last: int, done: Integers,
+    trouble: Integers,
 ) -> None:  # fmt: skip
     """Simulate the windows ``first … last - 1``, each from its row of `x0`."""
     for window in range(first, last):
@@ -194,14 +158,16 @@ def integrate_windows(
             results.outputs[a:b],
             results.sensitivities[min(a, some) : some],
             results.states[a:b],
+            results.modes[a:b],
+            results.since[a:b],
         )
-        done[window] = integrate(
+        done[window], trouble[window, 0], trouble[window, 1] = integrate(
             system, method, constants, output_constants, parameters, directions,
             time[a:b], u[a:b], x0[window], part,
         )  # fmt: skip
 
 
-@compiled
+@lean
 def normal_blocks(
     jacobian: Array, residual: Array, edges: Integers, h: Array, g: Array, cost: Array
 ) -> None:

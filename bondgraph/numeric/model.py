@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.equations.state_equations import StateEquations
+from bondgraph.numeric.set_valued import SetValuedForm, set_valued_form
 from bondgraph.numeric.tape import Tape, degrees, part, record_tape
 from bondgraph.structure.signals import t as time_symbol
 
@@ -32,6 +33,9 @@ class NumericModel:
         Whether rates and residuals are affine in (x, ẋ, z).
     instantaneous
         Whether an output depends on ẋ or z.
+    set_valued
+        The same model with its dry friction set-valued, for solvers that can stick;
+        None where nothing is dry. The functions above read ``sign(0) = 0``.
     """
 
     name: str
@@ -46,6 +50,8 @@ class NumericModel:
     linear: bool
     instantaneous: bool
     needs_input_rates: bool
+    set_valued: SetValuedForm | None = None
+    unknown_names: tuple[str, ...] = ()
 
     @property
     def needs_time(self) -> bool:
@@ -110,6 +116,8 @@ def compile_model(equations: StateEquations) -> NumericModel:
         linear=bool(np.all(dynamics.degree < 2)),
         instantaneous=bool(np.any(output.degree > 0)),
         needs_input_rates=bool(np.any(whole.degree > 0)),
+        set_valued=set_valued_form(equations),
+        unknown_names=tuple(z.name for z in unknowns),
     )
 
 

@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.numeric.model import NumericModel
-from bondgraph.simulation.solvers import Hold, Solver
+from bondgraph.simulation.engines import PAYING, Engine
+from bondgraph.simulation.native_shooting import Windows, run_native
+from bondgraph.simulation.solvers import Hold, RungeKutta4, Solver
+from bondgraph.simulation.trouble import CODES, RunStatus, Trouble, unknown_names
 
 Array = NDArray[np.float64]
 THREADS = 2
@@ -69,13 +72,21 @@ class Shooting:
     sensitivities
         (n, ny, nq + nx): to the chosen parameters, then to the initial state.
     completed
-        Per window, whether it was simulated to its end.
+        Per window, whether it was simulated to its end with finite outputs.
+    trouble
+        Per window, why it was not; None where it was.
+    modes, since
+        (n, frictions): whether each set-valued friction slips (1, -1) or sticks (0),
+        and the time at which it took that mode; None without such frictions.
     """
 
     outputs: Array
     states: Array
     sensitivities: Array
     completed: NDArray[np.bool_]
+    trouble: tuple[Trouble | None, ...] = ()
+    modes: NDArray[np.int64] | None = None
+    since: Array | None = None
 
 
 def shoot(
@@ -87,6 +98,7 @@ def shoot(
     directions: NDArray[np.int64] | None,
     solver: Solver,
     hold: Hold,
+    engine: Engine = PAYING,
 ) -> Shooting:
     """Simulate every window from its initial state.
 
@@ -99,13 +111,41 @@ def shoot(
     directions
         Indices of the parameters whose sensitivities are wanted (those to the initial
         states are always added); None for no sensitivities at all.
+    engine
+        How the equations are evaluated, a matter of time only; `WhenItPays` by default.
+
+    Raises
+    ------
+    EquationError
+        If an explicit method is asked for a model whose rates are only implicit.
     """
-    from bondgraph.numeric.kernel import (  # noqa: PLC0415
-        Method,
+    if isinstance(solver, RungeKutta4) or engine.compiles(model, len(shots.time)):
+        windows = Windows(
+            np.ascontiguousarray(shots.time, dtype=np.float64),
+            np.ascontiguousarray(shots.inputs, dtype=np.float64),
+            np.array(shots.edges, dtype=np.int64),
+            np.ascontiguousarray(initial, dtype=np.float64),
+        )
+        run = run_native(
+            model,
+            windows,
+            np.ascontiguousarray(parameters, dtype=np.float64),
+            directions,
+            solver,
+            zero_hold=hold is Hold.ZERO,
+        )
+        completed = run.done == np.diff(shots.edges)
+        # Where native code failed, the tape says why.
+        if isinstance(solver, RungeKutta4) or completed.all():
+            troubles = _troubles(model, shots, run.outputs, run.done, None)
+            fine = np.array([trouble is None for trouble in troubles])
+            return Shooting(run.outputs, run.states, run.sensitivities, fine, troubles)
+    from bondgraph.numeric.kernel import (  # noqa: PLC0415  (loads numba)
         Results,
         integrate_windows,
     )
-    from bondgraph.numeric.stage import System  # noqa: PLC0415  (both load numba)
+    from bondgraph.numeric.stage_arrays import System  # noqa: PLC0415
+    from bondgraph.numeric.stepping import Method  # noqa: PLC0415
 
     n, nx, ny = len(shots.time), model.n_states, len(model.output_names)
     wanted = np.zeros(0, np.int64) if directions is None else directions
@@ -113,7 +153,9 @@ def shoot(
     outputs = np.full((n, ny), np.nan)
     states = np.full((n, nx), np.nan)
     sensitivities = np.zeros((n if directions is not None else 0, ny, nd))
-    dynamics, output = model.dynamics, model.output
+    form = model if model.set_valued is None else model.set_valued
+    dry = 0 if model.set_valued is None else len(model.set_valued.places)
+    dynamics, output = form.dynamics, form.output
     system = System(
         dynamics=dynamics.code,
         first=dynamics.n_variables + len(dynamics.constants),
@@ -123,28 +165,73 @@ def shoot(
         first_output=output.n_variables + len(output.constants),
         read=output.outputs,
         nx=nx,
-        nz=model.n_unknowns,
+        nz=model.n_unknowns + dry,
+        nd=dry,
         nu=len(model.input_names),
         n_parameters=len(model.parameter_names),
-        linear=model.linear,
-        instantaneous=model.instantaneous,
+        linear=form.linear,
+        instantaneous=form.instantaneous,
     )
+    assert not isinstance(solver, RungeKutta4)  # answered above
     method = Method(*solver.tableau, solver.substeps, hold is Hold.ZERO)
     values = np.ascontiguousarray(parameters, dtype=np.float64)
 
     edges = np.array(shots.edges, dtype=np.int64)
     done = np.zeros(shots.n_windows, dtype=np.int64)
-    results = Results(outputs, sensitivities, states)
+    trouble = np.zeros((shots.n_windows, 2), dtype=np.int64)
+    modes, since = np.zeros((n, dry), np.int64), np.full((n, dry), -np.inf)
+    results = Results(outputs, sensitivities, states, modes, since)
     initial = np.ascontiguousarray(initial, dtype=np.float64)
 
     def some(first: int, last: int) -> None:
         integrate_windows(
             system, method, dynamics.constants, output.constants, values, wanted,
             shots.time, shots.inputs, initial, results, edges, first, last, done,
+            trouble,
         )  # fmt: skip
 
     share = np.linspace(0, shots.n_windows, THREADS + 1).astype(int).tolist()
     with ThreadPoolExecutor(THREADS) as pool:
         list(pool.map(some, share[:-1], share[1:]))
-    completed = done == np.diff(edges)
-    return Shooting(outputs, states, sensitivities, completed)
+    troubles = _troubles(model, shots, outputs, done, trouble)
+    fine = np.array([found is None for found in troubles], dtype=np.bool_)
+    if not dry:
+        return Shooting(outputs, states, sensitivities, fine, troubles)
+    return Shooting(outputs, states, sensitivities, fine, troubles, modes, since)
+
+
+def _troubles(
+    model: NumericModel,
+    shots: Shots,
+    outputs: Array,
+    done: NDArray[np.int64],
+    codes: NDArray[np.int64] | None,
+) -> tuple[Trouble | None, ...]:
+    """Return per window what went wrong, by the kernel's codes and the outputs."""
+    found: list[Trouble | None] = []
+    for window, part in enumerate(shots.slices):
+        reached = int(done[window])
+        time = shots.time[part]
+        finite = np.isfinite(outputs[part][:reached])
+        if reached < len(time):
+            code, unknown = (0, -1) if codes is None else codes[window]
+            names = unknown_names(model) if code else ()
+            found.append(
+                Trouble(
+                    status=CODES[int(code)],
+                    time=float(time[min(reached, len(time) - 1)]),
+                    unknown=names[unknown] if names else "",
+                )
+            )
+        elif not finite.all():
+            row, column = np.argwhere(~finite)[0]
+            found.append(
+                Trouble(
+                    status=RunStatus.OUTPUT_NOT_FINITE,
+                    time=float(time[row]),
+                    unknown=model.output_names[column],
+                )
+            )
+        else:
+            found.append(None)
+    return tuple(found)

@@ -18,8 +18,9 @@ from bondgraph.errors import EquationError, did_you_mean
 from bondgraph.numeric.implicit.factor import Factor, Order, order_for
 from bondgraph.numeric.implicit.points import solve_at
 from bondgraph.numeric.implicit.system import ImplicitSystem, implicit_system
-from bondgraph.simulation.solvers import Hold, Sdirk2, Solver
-from bondgraph.simulation.sparse_energy import EnergyAudit, EnergyMeter
+from bondgraph.simulation.energy_audit import EnergyAudit
+from bondgraph.simulation.solvers import Hold, Implicit, Sdirk2
+from bondgraph.simulation.sparse_energy import EnergyMeter
 from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
@@ -82,7 +83,7 @@ def simulate_sparse(
     *,
     inputs: Mapping[str, ArrayLike] | None = None,
     initial: Mapping[str, float] | None = None,
-    solver: Solver | None = None,
+    solver: Implicit | None = None,
     hold: Hold = Hold.FIRST,
     keep_states: bool = False,
 ) -> SparseSolution:
@@ -154,7 +155,7 @@ class _NotConvergedError(Exception):
 class _Run:
     """One simulation: the method, the factors in use, and what is counted."""
 
-    def __init__(self, system: ImplicitSystem, solver: Solver, hold: Hold) -> None:
+    def __init__(self, system: ImplicitSystem, solver: Implicit, hold: Hold) -> None:
         self.system = system
         self.hold = hold
         self.substeps = solver.substeps

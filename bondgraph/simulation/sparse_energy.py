@@ -5,12 +5,11 @@ energy is a function of where the storages are, so the difference is what the so
 steps have made of the balance, and nothing makes it vanish by construction.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.numeric.implicit.system import ImplicitSystem
+from bondgraph.simulation.energy_audit import EnergyAudit
 from bondgraph.structure.elements import (
     EffortSource,
     FlowSource,
@@ -23,19 +22,6 @@ Index = NDArray[np.int64]
 
 POINTS = 32
 """Gauss points on the line between two states; exact for laws up to degree 63."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class EnergyAudit:
-    """Energies in J between the first and the last sample.
-
-    ``relative`` is stored plus dissipated minus supplied, over the energy that flowed.
-    """
-
-    stored: float
-    dissipated: float
-    supplied: float
-    relative: float
 
 
 class EnergyMeter:

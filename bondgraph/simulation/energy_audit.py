@@ -1,0 +1,62 @@
+"""The energy audit of a simulation: what came in is stored or dissipated."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EnergyAudit:
+    """Energies in J between the first and the last sample.
+
+    Parameters
+    ----------
+    stored
+        What the storages have gained.
+    dissipated, supplied
+        What resistances took, and what sources gave.
+    exchanged
+        What came in by another way: with a law that time or another place moves, or
+        from a pseudo domain.
+    relative
+        Stored plus dissipated minus what came in, over the energy that flowed: nan
+        where an exchange has no formula, so that the balance says nothing.
+    """
+
+    stored: float
+    dissipated: float
+    supplied: float
+    relative: float
+    exchanged: float = 0.0
+
+
+def audit_of(accounts: Array, stored: Array, *, closed: bool) -> EnergyAudit:
+    """Return the audit of a run.
+
+    Parameters
+    ----------
+    accounts
+        Energies supplied, dissipated, exchanged and flowed since the start,
+        ``[sample, account]``.
+    stored
+        The energy in every storage, ``[sample, storage]``.
+    closed
+        Whether everything that exchanges power was counted.
+    """
+    supplied, dissipated, exchanged, flowed = accounts[-1] - accounts[0]
+    gained = float((stored[-1] - stored[0]).sum())
+    # What swings between storages flows as well.
+    moved = np.abs(stored - stored[0]).max(axis=0, initial=0.0).sum()
+    scale = max(float(flowed), float(moved))
+    left = abs(gained + dissipated - supplied - exchanged)
+    relative = left / scale if scale > 0.0 else 0.0
+    return EnergyAudit(
+        stored=gained,
+        dissipated=float(dissipated),
+        supplied=float(supplied),
+        exchanged=float(exchanged),
+        relative=float(relative) if closed else float("nan"),
+    )
