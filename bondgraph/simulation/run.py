@@ -1,0 +1,271 @@
+"""Simulation without recordings: inputs as samples, constants or functions of time."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bondgraph.equations.derivation import derive
+from bondgraph.errors import EquationError, did_you_mean
+from bondgraph.numeric.audited_model import ACCOUNTS, AuditedModel, audited_model
+from bondgraph.numeric.dynamics import Dynamics
+from bondgraph.numeric.model import NumericModel, compile_model
+from bondgraph.simulation.adaptive import Adaptive, Cvode, Ida, Radau, refuse_friction
+from bondgraph.simulation.energy_audit import EnergyAudit, audit_of
+from bondgraph.simulation.events import Event, contact_events, friction_events
+from bondgraph.simulation.inputs import InputFunction, Inputs, gather_inputs
+from bondgraph.simulation.shooting import Shooting, Shots, shoot
+from bondgraph.simulation.solvers import Hold, Sdirk2, Solver
+from bondgraph.simulation.trouble import RunStatus, Trouble
+from bondgraph.structure.graph import FinishedGraph
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Run:
+    """A model run on a grid of samples.
+
+    Parameters
+    ----------
+    status, reason
+        How it ended; `reason` says where and why it stopped, and what to do.
+    reached
+        The time in s until which it ran; what follows is nan.
+    time, outputs, states
+        Seconds, ``[sample, output]`` and ``[sample, state]``.
+    audit
+        The energy balance until `reached`.
+    events
+        Stick, slip, contact and release, in order of time.
+    solver_error
+        For each output an estimate of the largest error that the steps make, from steps
+        of half the size; empty where it was not asked for.
+    """
+
+    status: RunStatus
+    reason: str
+    reached: float
+    time: Array
+    output_names: tuple[str, ...]
+    output_units: tuple[str, ...]
+    outputs: Array
+    state_names: tuple[str, ...]
+    states: Array
+    audit: EnergyAudit
+    events: tuple[Event, ...]
+    solver_error: tuple[float, ...] = ()
+
+    def output(self, name: str) -> Array:
+        """Return the samples of one measurement."""
+        return _column(self.outputs, self.output_names, name, "measurement")
+
+    def state(self, name: str) -> Array:
+        """Return the samples of one state."""
+        return _column(self.states, self.state_names, name, "state")
+
+
+def _column(table: Array, names: tuple[str, ...], name: str, kind: str) -> Array:
+    if name not in names:
+        raise EquationError(
+            f"There is no {kind} {name!r}.", (name,), did_you_mean(name, names)
+        )
+    found: Array = table[:, names.index(name)]
+    return found
+
+
+def simulate_inputs(
+    graph: FinishedGraph,
+    time: ArrayLike,
+    *,
+    inputs: Mapping[str, ArrayLike | InputFunction] | None = None,
+    initial: Mapping[str, float] | None = None,
+    solver: Solver | Adaptive | None = None,
+    hold: Hold = Hold.FIRST,
+    estimate_error: bool = False,
+) -> Run:
+    """Run a model from an initial state.
+
+    Parameters
+    ----------
+    time
+        Increasing samples in s; fixed-step solvers step from one to the next.
+    inputs
+        Samples, one constant value, or a function of time, by name; zero if not named.
+    initial
+        Values of states by name (``p_…``, ``q_…``); zero if not named.
+    solver
+        ``Sdirk2()`` by default.
+    hold
+        How sampled inputs behave between samples.
+    estimate_error
+        Whether to run a fixed-step solver a second time, with half the step.
+
+    Raises
+    ------
+    EquationError
+        If a name is unknown, or the solver does not suit the model.
+    ParameterError
+        If a parameter has no value.
+    """
+    audited = audited_model(graph)
+    grid = np.asarray(time, float)
+    if grid.ndim != 1 or len(grid) < 1 or np.any(np.diff(grid) <= 0.0):
+        raise EquationError(
+            "The samples of time do not increase.", ("time",), "Sort them."
+        )
+    model = audited.model
+    given = gather_inputs(model.input_names, grid, inputs or {}, hold)
+    values = graph.parameters.values_by_name()
+    case = _Case(
+        graph=graph,
+        audited=audited,
+        inputs=given,
+        start=_start(model, initial or {}),
+        parameters=np.array([values[name] for name in model.parameter_names]),
+    )
+    chosen = Sdirk2() if solver is None else solver
+    if isinstance(chosen, Cvode | Ida | Radau):
+        return case.adaptive(chosen)
+    run = case.fixed(chosen)
+    if not estimate_error or run.status is not RunStatus.SUCCESSFUL:
+        return run
+    finer = case.fixed(replace(chosen, substeps=2 * chosen.substeps))
+    error = np.abs(run.outputs - finer.outputs).max(axis=0, initial=0.0)
+    return replace(run, solver_error=tuple(map(float, error)))
+
+
+def _start(model: NumericModel, initial: Mapping[str, float]) -> Array:
+    own = model.state_names[: -len(ACCOUNTS)]
+    for name in initial:
+        if name not in own:
+            raise EquationError(
+                f"{model.name!r} has no state {name!r}.",
+                (name,),
+                did_you_mean(name, own),
+            )
+    states = [initial.get(name, 0.0) for name in own]
+    return np.array([*states, *(0.0 for _ in ACCOUNTS)])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Case:
+    """A model with its numbers, ready to be run by any solver."""
+
+    graph: FinishedGraph
+    audited: AuditedModel
+    inputs: Inputs
+    start: Array
+    parameters: Array
+
+    def fixed(self, solver: Solver) -> Run:
+        """Run with fixed steps."""
+        shot = self._shoot(self.audited.model, self.start, solver)
+        trouble = shot.trouble[0]
+        if trouble is not None and trouble.unknown in self.audited.storages:
+            trouble = None  # then the audit, not the run, is not a number
+        if trouble is not None and any(x in trouble.unknown for x in ACCOUNTS):
+            # Energies grow faster than what makes them: which of the others was it?
+            plain = compile_model(derive(self.graph))
+            own = self.start[: plain.n_states]
+            trouble = self._shoot(plain, own, solver).trouble[0] or trouble
+        return self._run(shot.states, shot.outputs, trouble, self._slips(shot))
+
+    def _shoot(self, model: NumericModel, start: Array, solver: Solver) -> Shooting:
+        time, samples = self.inputs.time, self.inputs.samples
+        return shoot(
+            model,
+            Shots(time, samples, np.zeros((len(time), 0)), (0, len(time))),
+            parameters=self.parameters,
+            initial=start[None, :],
+            directions=None,
+            solver=solver,
+            hold=self.inputs.hold,
+        )
+
+    def _slips(self, shot: Shooting) -> tuple[Event, ...]:
+        form = self.audited.model.set_valued
+        if form is None or shot.modes is None or shot.since is None:
+            return ()
+        return friction_events(form.places, shot.modes, shot.since)
+
+    def adaptive(self, solver: Adaptive) -> Run:
+        """Run with a solver that chooses its steps."""
+        model, inputs = self.audited.model, self.inputs
+        if model.set_valued is not None:
+            refuse_friction(model.set_valued.places)
+        if model.n_unknowns and not solver.takes_unknowns:
+            raise EquationError(
+                f"{model.name!r} has the algebraic unknowns "
+                f"{', '.join(model.unknown_names)}, which Cvode does not solve for.",
+                model.unknown_names,
+                "Use Ida() or Radau().",
+            )
+        dynamics = Dynamics(model, self.parameters)
+        time = inputs.time
+        states = np.full((len(time), model.n_states), np.nan)
+        outputs = np.full((len(time), len(model.output_names)), np.nan)
+        trouble = None
+        x, z = self.start, np.zeros(model.n_unknowns)
+        cuts = range(len(time)) if inputs.sampled else [0, len(time) - 1]
+        for first, last in pairwise(cuts):
+            drive = inputs.between(first)
+            here = time[first : last + 1]
+            try:
+                piece = solver.integrate(dynamics, drive, here, x, z)
+            except EquationError as error:
+                trouble = _gave_up(time[first], str(error))
+                break
+            for k, t in enumerate(here):
+                if np.isfinite(piece.x[k]).all():
+                    u, du = drive(t)
+                    rates, z = dynamics.settle(t, piece.x[k], z, u, du)
+                    states[first + k] = piece.x[k]
+                    at = (piece.x[k], rates, z, u, du)
+                    outputs[first + k] = dynamics.output(t, *at)
+            if piece.message:
+                alive = here[np.isfinite(states[first : last + 1]).all(axis=1)]
+                trouble = _gave_up(float(alive[-1]), piece.message)
+                break
+            x = piece.x[-1]
+        return self._run(states, outputs, trouble, ())
+
+    def _run(
+        self,
+        states: Array,
+        outputs: Array,
+        trouble: Trouble | None,
+        slips: tuple[Event, ...],
+    ) -> Run:
+        audited, time = self.audited, self.inputs.time
+        model = audited.model
+        kept = len(model.output_names) - len(audited.storages) - len(audited.contacts)
+        efforts = kept + len(audited.storages)
+        ran = np.isfinite(states).all(axis=1)
+        count = len(time) if ran.all() else max(int(np.argmin(ran)), 1)
+        own = model.n_states - len(ACCOUNTS)
+        touches = contact_events(
+            audited.contacts, time[:count], outputs[:count, efforts:]
+        )
+        return Run(
+            status=RunStatus.SUCCESSFUL if trouble is None else trouble.status,
+            reason="" if trouble is None else trouble.reason,
+            reached=float(time[count - 1]),
+            time=time,
+            output_names=model.output_names[:kept],
+            output_units=model.output_units[:kept],
+            outputs=outputs[:, :kept],
+            state_names=model.state_names[:own],
+            states=states[:, :own],
+            audit=audit_of(
+                states[:count, own:], outputs[:count, kept:efforts],
+                closed=audited.closed,
+            ),
+            events=tuple(sorted((*slips, *touches), key=lambda event: event.time)),
+        )  # fmt: skip
+
+
+def _gave_up(time: float, message: str) -> Trouble:
+    return Trouble(status=RunStatus.SOLVER_FAILED, time=float(time), unknown=message)
