@@ -63,7 +63,7 @@ def run_native(
 
     explicit = isinstance(solver, RungeKutta4)
     if explicit:
-        _refuse_implicit(model)
+        refuse_implicit(model)
     native = native_model(model, sensitive=directions is not None, explicit=explicit)
     n, nx, ny = len(windows.time), model.n_states, len(model.output_names)
     wanted = np.zeros(0, np.int64) if directions is None else directions
@@ -110,7 +110,8 @@ def _share(simulate: Callable[[int, int], None], windows: int, samples: int) -> 
         list(pool.map(simulate, edges[:-1], edges[1:]))
 
 
-def _refuse_implicit(model: NumericModel) -> None:
+def refuse_implicit(model: NumericModel) -> None:
+    """Refuse a model that an explicit method cannot step; says why."""
     from bondgraph.numeric.native_model import is_explicit  # noqa: PLC0415  (LLVM)
 
     if model.set_valued is not None:
