@@ -5,21 +5,23 @@ typical one; that flow is a parameter of the inserted element, marked exact.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from types import MappingProxyType
 
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import Coefficient, E, F, Place
-from bondgraph.physics.places.junction import OneJunctionPlace
-from bondgraph.structure.elements import (
-    EffortSource,
-    FlowSource,
-    Gyrator,
-    Resistance,
-    Transformer,
+from bondgraph.physics.places.base import (
+    FLUID,
+    MECHANICAL,
+    Coefficient,
+    E,
+    F,
+    Place,
 )
-from bondgraph.structure.signals import effort, f
+from bondgraph.physics.places.junction import OneJunctionPlace
+from bondgraph.structure.domains import ELECTRICAL
+from bondgraph.structure.elements import Resistance
+from bondgraph.structure.signals import f
 
 REGULARISATION = 1 / 300
 
@@ -62,18 +64,36 @@ class CoulombFriction(AbstractPhysics):
         "an effort that jumps where the flow turns; taken for Stribeck friction where "
         "the recovered signal is smooth, and for load-dependent friction at one load"
     )
+    domains = MECHANICAL | FLUID
+    stem = "coulomb"
+    sentence = "{an_effort} of constant size against the motion"
+    sentences = MappingProxyType(
+        {"hydraulic": "a pressure of constant size below which nothing flows (yield)"}
+    )
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at every 1-junction."""
-        if not isinstance(place, OneJunctionPlace):
+        if not isinstance(place, OneJunctionPlace) or not self.suits(place):
             return
         some = 0.3 * place.effort
-        c = place.strength("coulomb", place.unit(E), (0.0, some), low=0.0)
+        c = place.strength(self.stem, place.unit(E), (0.0, some), low=0.0)
         sign, width = direction(place)
         law = c.symbol * sign
         edit = place.insert(Resistance(place.name_of(self.word), law=law), c, width)
-        words = f"{place.a(E)} of constant size against the motion"
+        words = self.sentences.get(place.domain.name, self.sentence)
+        words = words.format(an_effort=place.a(E))
         yield self.hypothesis(place, edit, law, (c, width), words)
+
+
+class VoltageDrop(CoulombFriction):
+    """A voltage that falls off whatever the current is: brushes, diodes, contacts."""
+
+    word = "voltage_drop"
+    reference = "brush contact drop: Hughes, Electric Motors and Drives, chapter 3"
+    signature = "no current below a voltage; taken for friction of what the motor turns"
+    domains = frozenset({ELECTRICAL})
+    stem = "drop"
+    sentence = "a voltage of constant size against the current"
 
 
 class DirectionDependentFriction(AbstractPhysics):
@@ -82,6 +102,7 @@ class DirectionDependentFriction(AbstractPhysics):
     word = "direction_dependent_friction"
     reference = "Armstrong-Hélouvry et al., Automatica 30, 1994, section 2"
     passivity = Passivity.DISSIPATIVE
+    domains = MECHANICAL
     signature = "Coulomb friction beside a constant bias, which in motion is the same"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
@@ -89,7 +110,9 @@ class DirectionDependentFriction(AbstractPhysics):
 
         Beside one it says nothing of its own: in motion the two are the same.
         """
-        if not isinstance(place, OneJunctionPlace) or place.has_free_bias:
+        if not isinstance(place, OneJunctionPlace) or not self.suits(place):
+            return
+        if place.has_free_bias:
             return
         some = 0.3 * place.effort
         c = place.strength("coulomb", place.unit(E), (0.0, some), low=0.0)
@@ -121,10 +144,11 @@ class StribeckFriction(AbstractPhysics):
         "an effort largest just after the flow turns, stick-slip at low speed; taken "
         "for Coulomb friction where the flow is rarely small"
     )
+    domains = MECHANICAL
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at every 1-junction."""
-        if not isinstance(place, OneJunctionPlace):
+        if not isinstance(place, OneJunctionPlace) or not self.suits(place):
             return
         some, speed = 0.3 * place.effort, place.flow
         sizes = (0.0, 0.0, some, some)
@@ -144,79 +168,3 @@ class StribeckFriction(AbstractPhysics):
             f"{place.a(E)} against the motion that falls with speed",
             extends=("coulomb_friction",),
         )
-
-
-class LoadDependentFriction(AbstractPhysics):
-    """Dry friction proportional to the effort that a bond transmits."""
-
-    word = "load_dependent_friction"
-    reference = "Amontons' law; Duclusaud et al., ICRA 2025 (arXiv 2410.08650)"
-    passivity = Passivity.DISSIPATIVE
-    signature = (
-        "dry friction that grows with what is carried; at one load it is Coulomb "
-        "friction"
-    )
-
-    def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield two per load at a 1-junction: without and with a constant part."""
-        if not isinstance(place, OneJunctionPlace):
-            return
-        for load in _loads(place):
-            yield self._law(place, load, constant=False)
-            yield self._law(place, load, constant=True)
-
-    def _law(
-        self, place: OneJunctionPlace, load: "_Load", *, constant: bool
-    ) -> Hypothesis:
-        some = 0.3 * place.effort
-        start = (0.0, 0.0, 0.2) if constant else (0.0, 0.1, 0.3)
-        mu = place.strength("mu", "1", start, low=0.0)
-        c = place.strength("coulomb", place.unit(E), (0.0, some, some), low=0.0)
-        sign, width = direction(place)
-        name = place.name_of(self.word)
-        carried = (
-            effort(load.bond) - effort(name) if load.less_own else effort(load.bond)
-        )
-        pressed = mu.symbol * sympy.Abs(carried)
-        law = (c.symbol + pressed if constant else pressed) * sign
-        coefficients = (mu, c, width) if constant else (mu, width)
-        passed = "passed on from" if load.less_own else "transmitted through"
-        return self.hypothesis(
-            place,
-            place.insert(Resistance(name, law=law), *coefficients),
-            law,
-            coefficients,
-            f"{place.a(E)} against the motion that "
-            f"{'has a constant part and ' if constant else ''}grows with the "
-            f"{place.domain.effort} {passed} {load.bond}",
-            extends=("coulomb_friction",) if constant else (),
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class _Load:
-    """What presses the contact: the effort of a bond, or what friction leaves of it."""
-
-    bond: str
-    less_own: bool = False
-
-
-def _loads(place: OneJunctionPlace) -> tuple[_Load, ...]:
-    """Return at most two efforts that may load the contact.
-
-    What a two-port carries on comes first; where the chain ends, what arrives less the
-    friction itself is the same thing; then what arrives, then driven sources.
-    """
-    graph = place.graph
-    outward: list[_Load] = []
-    inward: list[_Load] = []
-    driven: list[_Load] = []
-    for bond in graph.bonds_at(place.name):
-        other = graph.node(bond.other(place.name))
-        load = _Load(bond.name)
-        if isinstance(other, Transformer | Gyrator):
-            (outward if bond.tail == place.name else inward).append(load)
-        elif isinstance(other, EffortSource | FlowSource) and other.value is None:
-            driven.append(load)
-    passed = [] if outward else [_Load(load.bond, less_own=True) for load in inward]
-    return (*outward, *passed, *inward, *driven)[:2]

@@ -8,6 +8,7 @@ from enum import StrEnum
 import sympy
 
 from bondgraph.physics.places.base import Coefficient, Place
+from bondgraph.structure.domains import EnergyDomain
 from bondgraph.structure.edits import GraphEdit
 from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.signals import e, f, p, q, signals_in
@@ -89,18 +90,24 @@ class AbstractPhysics(ABC):
     """One entry of the library; subclass it to add your own.
 
     ``word`` is the name in results, ``reference`` where the law comes from,
-    ``passivity`` what it may do with power, and ``signature`` what it looks like in
-    recordings and what it is easily taken for.
+    ``passivity`` what it may do with power, ``signature`` what it looks like in
+    recordings and what it is easily taken for, and ``domains`` the energy domains where
+    the word is the right one (all where empty).
     """
 
     word: str
     reference: str
     passivity: Passivity = Passivity.SOURCE
     signature: str = ""
+    domains: frozenset[EnergyDomain] = frozenset()
 
     @abstractmethod
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield the hypotheses of this physics at `place`; none where it cannot sit."""
+
+    def suits(self, place: Place) -> bool:
+        """Return whether the word is right in the domain of `place`."""
+        return not self.domains or place.domain in self.domains
 
     def hypothesis(
         self,
@@ -111,6 +118,7 @@ class AbstractPhysics(ABC):
         words: str,
         *,
         extends: tuple[str, ...] = (),
+        also: tuple[str, ...] = (),
     ) -> Hypothesis:
         """Return the hypothesis that this physics is missing at `place`.
 
@@ -120,6 +128,8 @@ class AbstractPhysics(ABC):
             What it does to the graph, the relation, and a sentence without numbers.
         coefficients
             Those that the law uses, with the values their fits start from.
+        extends, also
+            Words of narrower laws; further names of the place.
         """
         return Hypothesis(
             physics=self.word,
@@ -132,7 +142,7 @@ class AbstractPhysics(ABC):
             starts=_starts(coefficients),
             extends=extends,
             strengths=tuple(c.name for c in coefficients if c.strength),
-            also=place.also,
+            also=(*place.also, *also),
         )
 
 

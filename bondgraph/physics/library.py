@@ -3,33 +3,40 @@
 Where two laws predict equally well, the one listed first is told first.
 """
 
-from bondgraph.physics.fields import (
-    AddedInertia,
-    ConstantBias,
-    Gravity,
-    HardeningSpring,
-    QuadraticDrag,
-    Spring,
-)
+from bondgraph.physics.actuation import DeadZone, InputScale, Saturation
+from bondgraph.physics.bias import ConstantBias
+from bondgraph.physics.contact import AddedCompliance, Backlash, SeriesCompliance
+from bondgraph.physics.drag import QuadraticDrag, SpeedLimit
+from bondgraph.physics.dynamics import Delay, Lag
 from bondgraph.physics.friction import (
     CoulombFriction,
     DirectionDependentFriction,
-    LoadDependentFriction,
     StribeckFriction,
     ViscousFriction,
+    VoltageDrop,
 )
 from bondgraph.physics.hypothesis import AbstractPhysics
-from bondgraph.physics.leakage import (
-    ConstantFlow,
-    Leak,
-    SquareLaw,
-    SquareRootOrifice,
+from bondgraph.physics.hysteresis import BoucWenHysteresis, DahlHysteresis
+from bondgraph.physics.inertia import AddedInertia, SaturatingInertia
+from bondgraph.physics.leakage import Leak, Slip
+from bondgraph.physics.load import LoadDependentFriction
+from bondgraph.physics.orifice import Overflow, SquareLaw, SquareRootOrifice
+from bondgraph.physics.position import (
+    Cogging,
+    EndStop,
+    Gravity,
+    HardeningSpring,
+    Spring,
 )
+from bondgraph.physics.ratio import Eccentricity
+from bondgraph.physics.sensing import SensorBias, SensorNonlinearity, SensorScale
+from bondgraph.physics.thermal import Radiation, TemperatureDependentResistance
 from bondgraph.physics.unknown import UnknownRelation
 
 LIBRARY: tuple[AbstractPhysics, ...] = (
     ViscousFriction(),
     CoulombFriction(),
+    VoltageDrop(),
     LoadDependentFriction(),
     DirectionDependentFriction(),
     StribeckFriction(),
@@ -39,9 +46,30 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     Spring(),
     HardeningSpring(),
     AddedInertia(),
+    AddedCompliance(),
     Leak(),
+    Slip(),
     SquareLaw(),
     SquareRootOrifice(),
-    ConstantFlow(),
+    Overflow(),
+    Radiation(),
+    EndStop(),
+    SeriesCompliance(),
+    Backlash(),
+    DahlHysteresis(),
+    BoucWenHysteresis(),
+    Cogging(),
+    Eccentricity(),
+    SaturatingInertia(),
+    TemperatureDependentResistance(),
+    SpeedLimit(),
+    SensorBias(),
+    SensorScale(),
+    InputScale(),
+    Lag(),
+    Delay(),
+    Saturation(),
+    DeadZone(),
+    SensorNonlinearity(),
     UnknownRelation(),
 )

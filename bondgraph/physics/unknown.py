@@ -10,10 +10,10 @@ from itertools import pairwise
 
 import sympy
 
-from bondgraph.physics.fields import restoring
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
 from bondgraph.physics.places.base import Coefficient, E, F, Place, Q
 from bondgraph.physics.places.junction import JunctionPlace, OneJunctionPlace
+from bondgraph.physics.position import restoring
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.elements import OnePort, Resistance
 from bondgraph.structure.signals import e, f, q
@@ -71,10 +71,18 @@ class UnknownRelation(AbstractPhysics):
 def _interpolation(
     x: sympy.Expr, knots: tuple[float, ...], heights: tuple[Coefficient, ...]
 ) -> sympy.Expr:
-    """Return the broken line through (knot, height), constant beyond the ends."""
+    """Return the broken line through (knot, height), constant beyond the ends.
+
+    A sum of ``|x - knot|``, each with half the change of slope at its knot.
+    """
     values = [height.symbol for height in heights]
-    law = values[0]
-    for (low, high), (a, b) in zip(pairwise(knots), pairwise(values), strict=True):
-        share = sympy.Min(sympy.Max((x - low) / (high - low), 0), 1)
-        law = law + (b - a) * share
-    return law
+    slopes = [
+        (b - a) / (high - low)
+        for (low, high), (a, b) in zip(pairwise(knots), pairwise(values), strict=True)
+    ]
+    bends = pairwise((sympy.S.Zero, *slopes, sympy.S.Zero))
+    kinks = (
+        sympy.Mul(after - before, sympy.Abs(x - knot), sympy.S.Half)
+        for knot, (before, after) in zip(knots, bends, strict=True)
+    )
+    return sympy.Add((values[0] + values[-1]) / 2, *kinks)

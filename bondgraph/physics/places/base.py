@@ -8,10 +8,26 @@ from dataclasses import dataclass
 import sympy
 
 from bondgraph.physics.places.scales import Scales
-from bondgraph.structure.domains import EnergyDomain, Quantity
+from bondgraph.structure.domains import (
+    ANALOGUE,
+    ELECTRICAL,
+    HYDRAULIC,
+    ROTATION,
+    THERMAL,
+    TRANSLATION,
+    EnergyDomain,
+    Quantity,
+)
+from bondgraph.structure.elements import OneJunction
 from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.parameters import Assumed, Parameter
 from bondgraph.structure.signals import parameter_symbol
+
+MECHANICAL = frozenset({TRANSLATION, ROTATION, ANALOGUE})
+FLUID = frozenset({HYDRAULIC, ANALOGUE})
+ELECTRIC = frozenset({ELECTRICAL, ANALOGUE})
+HEAT = frozenset({THERMAL})
+"""Domains in which a word is the right one; a model of no domain takes most."""
 
 E, F = Quantity.EFFORT, Quantity.FLOW
 P, Q = Quantity.MOMENTUM, Quantity.DISPLACEMENT
@@ -73,6 +89,10 @@ class Place(ABC):
         """Other names in the user's model that mean this very place."""
         return ()
 
+    def is_one_junction(self, name: str) -> bool:
+        """Return whether the node called `name` is a 1-junction."""
+        return isinstance(self.graph.node(name), OneJunction)
+
     def a(self, quantity: Quantity) -> str:
         """Return what `quantity` is called here, with its article."""
         word = self.domain.word(quantity)
@@ -86,9 +106,16 @@ class Place(ABC):
             return "1"
         unit = self.domain.unit(above)
         if below is None:
-            return unit
+            return unit if power == 1 else f"({unit})^{power}"
         exponent = "" if power == 1 else f"^{power}"
         return f"({unit})/({self.domain.unit(below)}){exponent}"
+
+    def per(self, unit: str, *quantities: Quantity) -> str:
+        """Return ``unit`` divided by the units of `quantities`, here."""
+        if not self.domain.checked:
+            return "1"
+        below = "".join(f"/({self.domain.unit(quantity)})" for quantity in quantities)
+        return f"({unit}){below}"
 
     def strength(
         self,

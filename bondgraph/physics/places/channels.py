@@ -1,16 +1,55 @@
 """Inputs and outputs as places: what drives and what reads may not be ideal."""
 
+from abc import abstractmethod
 from dataclasses import dataclass
 
-from bondgraph.physics.places.base import E, F, Place
+import sympy
+
+from bondgraph.physics.places.base import Coefficient, E, F, Place
 from bondgraph.structure.domains import ANALOGUE, EnergyDomain, Quantity
+from bondgraph.structure.edits import ReplaceMeasurement, SignalState, WrapInput
 from bondgraph.structure.elements import EffortSource
 from bondgraph.structure.graph import Measurement
 from bondgraph.structure.signals import Signal, signals_in
 
 
 @dataclass(frozen=True, slots=True)
-class InputPlace(Place):
+class ChannelPlace(Place):
+    """An input or output: a signal that a recording holds."""
+
+    @property
+    @abstractmethod
+    def signal(self) -> sympy.Expr:
+        """What the model takes it for."""
+
+    @property
+    @abstractmethod
+    def channel_unit(self) -> str:
+        """Its unit."""
+
+    @property
+    @abstractmethod
+    def range(self) -> tuple[float, float]:
+        """Its least and largest value."""
+
+    @property
+    def peak(self) -> float:
+        """The largest size."""
+        return max(map(abs, self.range))
+
+    @abstractmethod
+    def become(
+        self,
+        value: sympy.Expr,
+        *coefficients: Coefficient,
+        states: tuple[SignalState, ...] = (),
+        nested: bool = True,
+    ) -> ReplaceMeasurement | WrapInput:
+        """Return the edit that makes it another expression of the signal."""
+
+
+@dataclass(frozen=True, slots=True)
+class InputPlace(ChannelPlace):
     """A source that a recording drives: what arrives may not be what was asked for."""
 
     @property
@@ -24,13 +63,42 @@ class InputPlace(Place):
         return E if isinstance(self.graph.node(self.name), EffortSource) else F
 
     @property
-    def commanded(self) -> Signal:
+    def junction(self) -> str:
+        """The junction it drives."""
+        (bond,) = self.graph.bonds_at(self.name)
+        return bond.other(self.name)
+
+    @property
+    def signal(self) -> Signal:
         """The recorded signal."""
         return Signal(self.quantity, self.name)
 
+    @property
+    def channel_unit(self) -> str:
+        """The unit of what it imposes."""
+        return self.unit(self.quantity)
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Its least and largest value."""
+        default = self.scales.at(self.quantity, self.junction)
+        return self.scales.range_of(self.signal.name, default)
+
+    def become(
+        self,
+        value: sympy.Expr,
+        *coefficients: Coefficient,
+        states: tuple[SignalState, ...] = (),
+        nested: bool = True,
+    ) -> WrapInput:
+        """Return the edit that applies another expression of the signal."""
+        parameters = tuple(c.parameter for c in coefficients)
+        applied = self.name_of("applied")
+        return WrapInput(self.name, value, applied, parameters, states, nested)
+
 
 @dataclass(frozen=True, slots=True)
-class OutputPlace(Place):
+class OutputPlace(ChannelPlace):
     """A measurement: what the sensor says may not be what is there."""
 
     @property
@@ -41,7 +109,35 @@ class OutputPlace(Place):
     @property
     def domain(self) -> EnergyDomain:
         """The energy domain it reads; analogue where it reads several."""
-        read = signals_in(self.measurement.expression)
+        read = signals_in(self.signal)
         domains = [self.graph.domain_at(signal.place) for signal in read]
         one = domains and all(domain is domains[0] for domain in domains)
         return domains[0] if one else ANALOGUE
+
+    @property
+    def signal(self) -> sympy.Expr:
+        """What the model says the sensor reads."""
+        return self.measurement.expression
+
+    @property
+    def channel_unit(self) -> str:
+        """The unit of the measurement."""
+        return self.measurement.unit
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Its least and largest value."""
+        read = self.signal
+        default = self.scales.of(read.name) if isinstance(read, Signal) else 1.0
+        return self.scales.range_of(self.name, default)
+
+    def become(
+        self,
+        value: sympy.Expr,
+        *coefficients: Coefficient,
+        states: tuple[SignalState, ...] = (),
+        nested: bool = True,
+    ) -> ReplaceMeasurement:
+        """Return the edit that lets the sensor read another expression."""
+        parameters = tuple(c.parameter for c in coefficients)
+        return ReplaceMeasurement(self.name, value, parameters, states, nested)

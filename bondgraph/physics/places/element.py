@@ -2,9 +2,14 @@
 
 from dataclasses import dataclass
 
-from bondgraph.physics.places.base import Place
+import sympy
+
+from bondgraph.physics.places.base import Coefficient, E, F, Place, Q
 from bondgraph.structure.domains import EnergyDomain
-from bondgraph.structure.nodes import WithLaw
+from bondgraph.structure.edits import ReplaceRelation, SignalState
+from bondgraph.structure.elements import Compliance, Gyrator, Inertance, Transformer
+from bondgraph.structure.nodes import WithLaw, is_linear
+from bondgraph.structure.signals import f, p, parameter_symbol, q
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,3 +27,66 @@ class ElementPlace(Place):
         node = self.graph.node(self.name)
         assert isinstance(node, WithLaw)
         return node
+
+    @property
+    def usual_law(self) -> sympy.Expr:
+        """The law: as written, or of a linear I in p, a C in q, an R in f."""
+        element = self.element
+        if isinstance(element, Transformer | Gyrator):
+            return element.modulus
+        if element.law is not None:
+            return element.law
+        constant = parameter_symbol(self.name)
+        match element:
+            case Inertance():
+                return p / constant
+            case Compliance():
+                return q / constant
+        return constant * f
+
+    @property
+    def linear_value(self) -> float | None:
+        """The value of a linear element's parameter, None where it has a law."""
+        if not is_linear(self.element):
+            return None
+        return self.graph.parameters[self.name].value
+
+    @property
+    def junctions(self) -> tuple[str, ...]:
+        """The junctions (or two-ports) at the other ends of its bonds."""
+        bonds = self.graph.bonds_at(self.name)
+        return tuple(bond.other(self.name) for bond in bonds)
+
+    @property
+    def flow(self) -> float:
+        """Typical flow of the (first) bond."""
+        default = self.scales.at(F, self.junctions[0])
+        return self.scales.at(F, self.graph.bonds_at(self.name)[0].name, default)
+
+    @property
+    def effort(self) -> float:
+        """Typical effort of the (first) bond."""
+        default = self.scales.at(E, self.junctions[0])
+        return self.scales.at(E, self.graph.bonds_at(self.name)[0].name, default)
+
+    @property
+    def content(self) -> float:
+        """Typical momentum of a linear I, displacement of a linear C."""
+        value = self.linear_value
+        if isinstance(self.element, Inertance):
+            return (value or 1.0) * self.flow
+        if isinstance(self.element, Compliance) and value:
+            return value * self.effort
+        default = 0.1 * self.flow * self.scales.stretch
+        return self.scales.at(Q, self.name, default)
+
+    def replace(
+        self,
+        law: sympy.Expr,
+        *coefficients: Coefficient,
+        states: tuple[SignalState, ...] = (),
+        nested: bool = True,
+    ) -> ReplaceRelation:
+        """Return the edit that gives the element another law."""
+        parameters = tuple(c.parameter for c in coefficients)
+        return ReplaceRelation(self.name, law, parameters, states, nested)

@@ -1,21 +1,27 @@
 """All places of a graph, in the author's order."""
 
 from collections.abc import Collection, Iterator
+from itertools import combinations
 
 from bondgraph.physics.places.base import Place
 from bondgraph.physics.places.bond import BondPlace
 from bondgraph.physics.places.channels import InputPlace, OutputPlace
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import junction_place
+from bondgraph.physics.places.pair import PairPlace
 from bondgraph.physics.places.scales import Scales
 from bondgraph.structure.edits import carries_signals_only
 from bondgraph.structure.elements import (
+    Compliance,
     FlowSource,
+    Gyrator,
     Inertance,
     Junction,
+    Node,
     OneJunction,
-    Source,
+    Resistance,
     Transformer,
+    ZeroJunction,
 )
 from bondgraph.structure.graph import Bond, FinishedGraph
 from bondgraph.structure.nodes import WithLaw
@@ -40,6 +46,7 @@ def all_places(graph: FinishedGraph, scales: Scales) -> tuple[Place, ...]:
             for node in graph.elements
             if isinstance(node, WithLaw) and _touches(graph, node.name, machine)
         ),
+        *_pairs(graph, scales, machine),
         *(InputPlace(graph, source.name, scales) for source in graph.inputs),
         *(OutputPlace(graph, m.name, scales) for m in graph.measurements),
     )
@@ -76,13 +83,49 @@ def _name_of(graph: FinishedGraph, bond: Bond) -> str | None:
         rigid = all(isinstance(graph.node(o), OneJunction) for o in others)
         return tail.name if rigid else None
     if isinstance(tail, OneJunction) and isinstance(head, Inertance):
-        return head.name if _carries_more(graph, tail.name) else None
+        return head.name if _moves_anyway(graph, tail.name, head.name) else None
     if isinstance(tail, FlowSource) and isinstance(head, OneJunction):
         return tail.name
     return None
 
 
-def _carries_more(graph: FinishedGraph, junction: str) -> bool:
-    """Return whether more hangs on a junction than one element and its sources."""
-    nodes = (graph.node(b.other(junction)) for b in graph.bonds_at(junction))
-    return sum(not isinstance(node, Source) for node in nodes) > 1
+def _moves_anyway(graph: FinishedGraph, junction: str, inertia: str) -> bool:
+    """Return whether a junction has a motion of its own without one of its inertias.
+
+    What hangs there without any inertia is part of that inertia, not tied to it.
+    """
+    others = (n for n in _neighbours(graph, junction) if n.name != inertia)
+    moving = Inertance | FlowSource | Transformer | Gyrator | OneJunction
+    return any(isinstance(node, moving) for node in others)
+
+
+def _pairs(
+    graph: FinishedGraph, scales: Scales, junctions: Collection[str]
+) -> Iterator[PairPlace]:
+    """Yield pairs of stocks of one domain that no resistance joins."""
+    stocks = [name for name in junctions if _is_stock(graph, name)]
+    for first, second in combinations(stocks, 2):
+        alike = graph.domain_at(first) == graph.domain_at(second)
+        if alike and not _resisted(graph, first, second):
+            yield PairPlace(graph, first, scales, second)
+
+
+def _is_stock(graph: FinishedGraph, junction: str) -> bool:
+    nodes = _neighbours(graph, junction)
+    stores = any(isinstance(node, Compliance) for node in nodes)
+    return stores and isinstance(graph.node(junction), ZeroJunction)
+
+
+def _resisted(graph: FinishedGraph, first: str, second: str) -> bool:
+    """Return whether a 1-junction with an R stands between the two."""
+    ends = {n.name for n in _neighbours(graph, first) if isinstance(n, OneJunction)}
+    ends &= {n.name for n in _neighbours(graph, second)}
+    return any(
+        isinstance(node, Resistance)
+        for between in ends
+        for node in _neighbours(graph, between)
+    )
+
+
+def _neighbours(graph: FinishedGraph, name: str) -> tuple[Node, ...]:
+    return tuple(graph.node(b.other(name)) for b in graph.bonds_at(name))

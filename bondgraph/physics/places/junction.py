@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-from bondgraph.physics.places.base import Coefficient, Place
+from bondgraph.physics.places.base import Coefficient, P, Place, Q
 from bondgraph.physics.places.scales import Scales
 from bondgraph.structure.domains import EnergyDomain, Quantity
-from bondgraph.structure.edits import InsertElement
+from bondgraph.structure.edits import InsertElement, SignalState
 from bondgraph.structure.elements import (
     Compliance,
     EffortSource,
@@ -15,6 +15,7 @@ from bondgraph.structure.elements import (
     OnePort,
 )
 from bondgraph.structure.graph import FinishedGraph
+from bondgraph.structure.nodes import is_linear
 from bondgraph.structure.signals import displacement, parameters_in, signals_in
 
 
@@ -75,14 +76,34 @@ class JunctionPlace(Place):
         return self.scales.at(Quantity.EFFORT, self.name)
 
     @property
-    def displacement(self) -> float:
-        """Typical displacement."""
-        return self.scales.at(Quantity.DISPLACEMENT, self.name)
+    def momentum(self) -> float:
+        """Typical momentum; where not known, that of an effort over a second."""
+        return self.scales.at(P, self.name, self.effort)
 
-    def insert(self, element: OnePort, *coefficients: Coefficient) -> InsertElement:
-        """Return the edit that hangs `element` here."""
+    @property
+    def displacement(self) -> float:
+        """Typical displacement; where not known, that of a C here, or of a swing."""
+        for node in self.neighbours:
+            if is_linear(node) and isinstance(node, Compliance):
+                compliance = self.graph.parameters[node.name].value or 1.0
+                return self.scales.at(Q, self.name, compliance * self.effort)
+        return self.scales.at(Q, self.name, 0.1 * self.flow * self.scales.stretch)
+
+    @property
+    def displacement_range(self) -> tuple[float, float]:
+        """Least and largest displacement."""
+        size = self.displacement
+        return self.scales.range_of(f"{Q}({self.name})", size)
+
+    def insert(
+        self,
+        element: OnePort,
+        *coefficients: Coefficient,
+        states: tuple[SignalState, ...] = (),
+    ) -> InsertElement:
+        """Return the edit that hangs `element` here, with the states its law reads."""
         parameters = tuple(c.parameter for c in coefficients)
-        return InsertElement(self.name, element, parameters)
+        return InsertElement(self.name, element, parameters, states)
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,10 +14,11 @@ from bondgraph.structure.elements import (
     Junction,
     OneJunction,
     OnePort,
+    Resistance,
     ZeroJunction,
     letter,
 )
-from bondgraph.structure.graph import Bond, FinishedGraph
+from bondgraph.structure.graph import Bond, CausalPreference, FinishedGraph, Wanted
 from bondgraph.structure.parameters import Parameter
 
 
@@ -26,7 +27,8 @@ class LoosenBond:
     """Let the flows at both ends of a bond differ.
 
     A 0-junction splits the bond; `elements` sit on the 1-junction `name` beside it,
-    whose flow is the difference, tail less head.
+    whose flow is the difference, tail less head. An R among them is wished to give its
+    effort: its law may vanish, and cannot be solved for the flow then.
     """
 
     bond: Bond
@@ -43,6 +45,9 @@ class LoosenBond:
         pieces.nodes.append(OneJunction(self.name))
         for element in self.elements:
             pieces.hang(element, self.name, domain)
+            if isinstance(element, Resistance):
+                wish = CausalPreference(element.name, Wanted.GIVES_EFFORT)
+                pieces.preferences.append(wish)
         pieces.bonds.append((Bond(split, self.name), domain))
         pieces.remember(self.states)
         return pieces.finished(self.parameters)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import sympy
 
 from bondgraph.errors import StructureError
-from bondgraph.structure.edits.rebuilding import Pieces
+from bondgraph.structure.edits.rebuilding import Pieces, usual_bond
 from bondgraph.structure.edits.signal_states import SignalState
 from bondgraph.structure.elements import (
     EffortSource,
@@ -100,8 +100,12 @@ class WrapInput:
         pieces.swap(self.input, type(source)(self.applied, value=value))
         aside = f"{self.applied}_command"
         effort = isinstance(source, EffortSource)
-        pieces.nodes.append(ZeroJunction(aside) if effort else OneJunction(aside))
-        pieces.hang(source, aside, domain)
+        junction = ZeroJunction(aside) if effort else OneJunction(aside)
+        # Right behind what is applied, so that the inputs keep their order.
+        at = 1 + [node.name for node in pieces.nodes].index(self.applied)
+        pieces.nodes[at:at] = [junction, source]
+        at = 1 + [b.tail for b, _ in pieces.bonds].index(self.applied)
+        pieces.bonds.insert(at, (usual_bond(source, aside), domain))
         pieces.remember(self.states)
         return pieces.finished(self.parameters)
 

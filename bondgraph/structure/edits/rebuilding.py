@@ -9,6 +9,7 @@ from bondgraph.structure.edits.signal_states import SignalState
 from bondgraph.structure.elements import EffortSource, FlowSource, Node, OnePort
 from bondgraph.structure.graph import (
     Bond,
+    CausalPreference,
     FinishedGraph,
     Measurement,
     used_parameters,
@@ -32,12 +33,19 @@ class Pieces:
     nodes: list[Node]
     bonds: list[tuple[Bond, EnergyDomain]]
     measurements: list[Measurement]
+    preferences: list[CausalPreference]
 
     @classmethod
     def of(cls, graph: FinishedGraph) -> "Pieces":
         """Return the pieces of `graph`."""
         bonds = list(zip(graph.bonds, graph.domains, strict=True))
-        return cls(graph, list(graph.nodes), bonds, list(graph.measurements))
+        return cls(
+            graph,
+            list(graph.nodes),
+            bonds,
+            list(graph.measurements),
+            list(graph.preferences),
+        )
 
     def hang(self, element: OnePort, junction: str, domain: EnergyDomain) -> None:
         """Add an element on a junction."""
@@ -87,6 +95,7 @@ class Pieces:
             bonds=tuple(bond for bond, _ in self.bonds),
             domains=tuple(domain for _, domain in self.bonds),
             measurements=tuple(self.measurements),
+            preferences=tuple(self.preferences),
             parameters=parameters.restricted(
                 used_parameters(self.nodes, self.measurements)
             ),

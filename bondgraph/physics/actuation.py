@@ -1,0 +1,69 @@
+"""Inputs that do not do what they are asked: scale, saturation, dead zone."""
+
+from collections.abc import Iterator
+
+import sympy
+
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.places.base import Place
+from bondgraph.physics.places.channels import InputPlace
+
+
+class InputScale(AbstractPhysics):
+    """An input that acts in another proportion than the model says."""
+
+    word = "input_scale"
+    reference = "gain error of an amplifier"
+    passivity = Passivity.SIGNAL
+    signature = "everything in proportion; taken for a parameter of what is driven"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it for every input."""
+        if not isinstance(place, InputPlace):
+            return
+        scale = place.shape("input_scale", "1", (1.0,))
+        law = scale.symbol * place.signal
+        words = f"{place.name} acts in another proportion than commanded"
+        yield self.hypothesis(place, place.become(law, scale), law, (scale,), words)
+
+
+class Saturation(AbstractPhysics):
+    """An input that does not pass a limit: supply voltage, current limit, valve."""
+
+    word = "saturation"
+    reference = "actuator saturation: Åström and Hägglund 2006, chapter 3"
+    passivity = Passivity.SIGNAL
+    signature = "large commands do no more than smaller ones"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it for every input, the same limit on both sides."""
+        if not isinstance(place, InputPlace):
+            return
+        peak = place.peak
+        limits = tuple(share * peak for share in (0.95, 0.8, 0.65, 0.5, 0.35))
+        unit = place.channel_unit
+        limit = place.shape("limit", unit, limits, low=0.01 * peak)
+        law = sympy.Max(sympy.Min(place.signal, limit.symbol), -limit.symbol)
+        words = f"{place.name} does not pass a limit, whatever is commanded"
+        edit = place.become(law, limit, nested=False)
+        yield self.hypothesis(place, edit, law, (limit,), words)
+
+
+class DeadZone(AbstractPhysics):
+    """An input that does nothing while it is small: overlap of a valve, threshold."""
+
+    word = "dead_zone"
+    reference = "valve overlap: Merritt 1967, chapter 5"
+    passivity = Passivity.SIGNAL
+    signature = "small commands do nothing; taken for Coulomb friction"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it for every input, as wide on both sides."""
+        if not isinstance(place, InputPlace):
+            return
+        widths = tuple(share * place.peak for share in (0.0, 0.05, 0.15, 0.4))
+        half = place.strength("dead_zone", place.channel_unit, widths, low=0.0)
+        above = sympy.Max(place.signal - half.symbol, 0)
+        law = above + sympy.Min(place.signal + half.symbol, 0)
+        words = f"{place.name} does nothing while it is small"
+        yield self.hypothesis(place, place.become(law, half), law, (half,), words)

@@ -1,0 +1,120 @@
+"""What gives way between two motions: compliance, and play.
+
+A bond that ties two motions is split; across the difference of the flows sit a spring
+and a damper. At no compliance the model is the rigid one.
+"""
+
+from collections.abc import Iterator
+
+import sympy
+
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.places.base import MECHANICAL, E, F, Place, Q
+from bondgraph.physics.places.bond import BondPlace
+from bondgraph.physics.places.junction import ZeroJunctionPlace
+from bondgraph.structure.elements import Compliance, Resistance
+from bondgraph.structure.signals import displacement, e, f, q
+
+
+class SeriesCompliance(AbstractPhysics):
+    """A shaft, belt, hose or link that gives way, with its damping."""
+
+    word = "compliance"
+    reference = "Kelvin-Voigt body in series; flexible joint: Spong 1987"
+    passivity = Passivity.DISSIPATIVE
+    signature = (
+        "a resonance and phase lag that the rigid model lacks; taken for backlash at "
+        "one amplitude, and for delay at low frequency"
+    )
+    domains = MECHANICAL
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it in every bond that ties two motions together."""
+        if not isinstance(place, BondPlace) or not self.suits(place):
+            return
+        soft = place.displacement / place.effort
+        starts = tuple(share * soft for share in (1e-3, 1e-2, 1e-1))
+        c = place.shape("compliance", place.unit(Q, E), starts, low=1e-2 * starts[0])
+        some = 0.02 * place.effort / place.flow
+        d = place.shape("compliance_damping", place.unit(E, F), (some,), low=0.0)
+        name = place.name_of("compliance")
+        law = q / c.symbol
+        elements = (
+            Compliance(f"{name}_spring", law=law),
+            Resistance(f"{name}_damper", law=d.symbol * f),
+        )
+        words = f"{place.name} gives way: its ends are tied by a spring and a damper"
+        edit = place.loosen(name, elements, c, d)
+        yield self.hypothesis(place, edit, law, (c, d), words)
+
+
+class Backlash(AbstractPhysics):
+    """Play between two motions: no effort inside a gap, a stiff contact beyond it."""
+
+    word = "backlash"
+    reference = "Nordin and Gutman, Automatica 38, 2002; Hunt and Crossley 1975"
+    passivity = Passivity.DISSIPATIVE
+    signature = (
+        "the far side stands still while the near side turns around; taken for "
+        "friction, and for compliance at one amplitude"
+    )
+    domains = MECHANICAL
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it where both sides of a bond can move on their own in the gap."""
+        if not isinstance(place, BondPlace) or not self.suits(place):
+            return
+        if not place.both_sides_resist:
+            return
+        way = place.displacement
+        gaps = tuple(share * way for share in (0.0, 0.01, 0.03, 0.1, 0.3))
+        gap = place.shape("half_gap", place.unit(Q), gaps, low=0.0)
+        stiff = 300.0 * place.effort / way
+        k = place.shape("contact_stiffness", place.unit(E, Q), (stiff,), low=0.0)
+        unit = place.per(place.unit(E), Q, F)
+        d = place.shape("contact_damping", unit, (stiff / place.flow,), low=0.0)
+        name = place.name_of("backlash")
+        law = k.symbol * _beyond(q, gap.symbol)
+        there = displacement(f"{name}_contact")
+        pressed = sympy.Abs(_beyond(there, gap.symbol))
+        elements = (
+            Compliance(f"{name}_contact", law=law),
+            Resistance(f"{name}_losses", law=d.symbol * pressed * f),
+        )
+        words = f"{place.name} has play: its ends touch only beyond a gap"
+        edit = place.loosen(name, elements, gap, k, d)
+        yield self.hypothesis(
+            place, edit, law, (gap, k, d), words, extends=("compliance",)
+        )
+
+
+def _beyond(x: sympy.Expr, half: sympy.Symbol) -> sympy.Expr:
+    """Return how far x lies outside of ± half."""
+    return sympy.Max(x - half, 0) + sympy.Min(x + half, 0)
+
+
+class AddedCompliance(AbstractPhysics):
+    """A C at a 0-junction that the model does not have: what is there gives way."""
+
+    word = "added_compliance"
+    reference = "stray capacity; trapped air; thermal mass of a wall"
+    passivity = Passivity.STORING
+    signature = "an effort that follows late; taken for a lag of its sensor"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it at 0-junctions without a freely fitted linear C."""
+        if not isinstance(place, ZeroJunctionPlace):
+            return
+        if place.has_free_linear(Compliance):
+            return
+        some = 0.1 * place.displacement / place.effort
+        starts = (1e-3 * some, 0.1 * some, some)
+        c = place.shape("added_compliance", place.unit(Q, E), starts, low=1e-4 * some)
+        element = Compliance(place.name_of("added_compliance"))
+        words = {
+            "hydraulic": "a volume that gives way under pressure",
+            "electrical": "a capacity that takes charge",
+            "thermal": "a mass that takes heat",
+        }.get(place.domain.name, "something elastic that gives way")
+        edit = place.insert(element, c)
+        yield self.hypothesis(place, edit, c.symbol * e, (c,), words)

@@ -1,0 +1,91 @@
+"""Friction with memory: an effort that depends on the way it came.
+
+The memory z lies between -1 and 1. It follows the flow until it saturates, over a
+distance w, the presliding: z' = (f - |f| z) / w. The effort is s z. It stores s w z²/2
+and takes out s |f| z² >= 0, so it only ever loses power.
+"""
+
+from collections.abc import Iterator
+
+import sympy
+
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.places.base import MECHANICAL, Coefficient, E, Place, Q
+from bondgraph.physics.places.junction import OneJunctionPlace
+from bondgraph.structure.edits import SignalState
+from bondgraph.structure.elements import EffortSource
+from bondgraph.structure.signals import displacement, flow
+
+SHARES = (0.03, 0.1, 0.4)
+"""Presliding distances that fits start from, in typical displacements."""
+
+
+class DahlHysteresis(AbstractPhysics):
+    """Friction that is elastic before it slides."""
+
+    word = "hysteresis"
+    reference = "Dahl, TOR-0158(3107-18), 1968"
+    passivity = Passivity.DISSIPATIVE
+    signature = (
+        "loops in effort over displacement whatever the speed; taken for Coulomb "
+        "friction where the motion is large, for a spring where it is small"
+    )
+    domains = MECHANICAL
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it at every 1-junction."""
+        if not isinstance(place, OneJunctionPlace) or not self.suits(place):
+            return
+        name = place.name_of("memory")
+        z, rate = displacement(name), flow(place.name)
+        size, way = _size_and_way(place)
+        state = SignalState(name, (rate - sympy.Abs(rate) * z) / way.symbol)
+        yield self._with_memory(place, state, size, (size, way))
+
+    def _with_memory(
+        self,
+        place: OneJunctionPlace,
+        state: SignalState,
+        size: Coefficient,
+        coefficients: tuple[Coefficient, ...],
+        extends: tuple[str, ...] = (),
+    ) -> Hypothesis:
+        law = size.symbol * state.value
+        element = EffortSource(place.name_of("hysteresis"), value=-law)
+        words = f"{place.a(E)} against the motion that builds up over a distance"
+        edit = place.insert(element, *coefficients, states=(state,))
+        return self.hypothesis(place, edit, law, coefficients, words, extends=extends)
+
+
+class BoucWenHysteresis(DahlHysteresis):
+    """Hysteresis whose loops are not alike in loading and unloading.
+
+    z' = (f - b |f| z - (1 - b) f |z|) / w, which is Dahl's at b = 1; b >= 1/2 keeps it
+    from giving power.
+    """
+
+    reference = "Bouc 1967; Wen, J. Engineering Mechanics 102, 1976; Ismail et al. 2009"
+    signature = "loops that are stiff on return; its parameters are hard to tell apart"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it at every 1-junction."""
+        if not isinstance(place, OneJunctionPlace) or not self.suits(place):
+            return
+        name = place.name_of("memory")
+        z, rate = displacement(name), flow(place.name)
+        size, way = _size_and_way(place)
+        share = place.shape("hysteresis_share", "1", (0.8,), low=0.5, high=1.0)
+        taken = share.symbol * sympy.Abs(rate) * z
+        taken = taken + (1 - share.symbol) * rate * sympy.Abs(z)
+        state = SignalState(name, (rate - taken) / way.symbol)
+        coefficients = (size, way, share)
+        yield self._with_memory(place, state, size, coefficients, ("hysteresis",))
+
+
+def _size_and_way(place: OneJunctionPlace) -> tuple[Coefficient, Coefficient]:
+    """Return the effort of sliding and the distance before it."""
+    ways = tuple(share * place.displacement for share in SHARES)
+    none, some = (0.0,) * len(ways), (0.3 * place.effort,) * len(ways)
+    size = place.strength("hysteresis", place.unit(E), none + some, low=0.0)
+    way = place.shape("presliding", place.unit(Q), ways * 2, low=0.01 * ways[0])
+    return size, way

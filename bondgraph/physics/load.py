@@ -1,0 +1,96 @@
+"""Friction that grows with what a contact carries."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import sympy
+
+from bondgraph.physics.friction import direction
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.places.base import MECHANICAL, E, Place
+from bondgraph.physics.places.junction import OneJunctionPlace
+from bondgraph.structure.elements import (
+    EffortSource,
+    FlowSource,
+    Gyrator,
+    Resistance,
+    Transformer,
+)
+from bondgraph.structure.signals import effort
+
+
+class LoadDependentFriction(AbstractPhysics):
+    """Dry friction proportional to the effort that a bond transmits."""
+
+    word = "load_dependent_friction"
+    reference = "Amontons' law; Duclusaud et al., ICRA 2025 (arXiv 2410.08650)"
+    passivity = Passivity.DISSIPATIVE
+    signature = (
+        "dry friction that grows with what is carried; at one load it is Coulomb "
+        "friction"
+    )
+    domains = MECHANICAL
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield two per load at a 1-junction: without and with a constant part."""
+        if not isinstance(place, OneJunctionPlace) or not self.suits(place):
+            return
+        for load in _loads(place):
+            yield self._law(place, load, constant=False)
+            yield self._law(place, load, constant=True)
+
+    def _law(
+        self, place: OneJunctionPlace, load: "_Load", *, constant: bool
+    ) -> Hypothesis:
+        some = 0.3 * place.effort
+        start = (0.0, 0.0, 0.2) if constant else (0.0, 0.1, 0.3)
+        mu = place.strength("mu", "1", start, low=0.0)
+        c = place.strength("coulomb", place.unit(E), (0.0, some, some), low=0.0)
+        sign, width = direction(place)
+        name = place.name_of(self.word)
+        carried = (
+            effort(load.bond) - effort(name) if load.less_own else effort(load.bond)
+        )
+        pressed = mu.symbol * sympy.Abs(carried)
+        law = (c.symbol + pressed if constant else pressed) * sign
+        coefficients = (mu, c, width) if constant else (mu, width)
+        passed = "passed on from" if load.less_own else "transmitted through"
+        return self.hypothesis(
+            place,
+            place.insert(Resistance(name, law=law), *coefficients),
+            law,
+            coefficients,
+            f"{place.a(E)} against the motion that "
+            f"{'has a constant part and ' if constant else ''}grows with the "
+            f"{place.domain.effort} {passed} {load.bond}",
+            extends=("coulomb_friction",) if constant else (),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _Load:
+    """What presses the contact: the effort of a bond, or what friction leaves of it."""
+
+    bond: str
+    less_own: bool = False
+
+
+def _loads(place: OneJunctionPlace) -> tuple[_Load, ...]:
+    """Return at most two efforts that may load the contact.
+
+    What a two-port carries on comes first; where the chain ends, what arrives less the
+    friction itself is the same thing; then what arrives, then driven sources.
+    """
+    graph = place.graph
+    outward: list[_Load] = []
+    inward: list[_Load] = []
+    driven: list[_Load] = []
+    for bond in graph.bonds_at(place.name):
+        other = graph.node(bond.other(place.name))
+        load = _Load(bond.name)
+        if isinstance(other, Transformer | Gyrator):
+            (outward if bond.tail == place.name else inward).append(load)
+        elif isinstance(other, EffortSource | FlowSource) and other.value is None:
+            driven.append(load)
+    passed = [] if outward else [_Load(load.bond, less_own=True) for load in inward]
+    return (*outward, *passed, *inward, *driven)[:2]

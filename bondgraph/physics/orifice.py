@@ -1,0 +1,170 @@
+"""Flows with the root of a pressure, and over an edge: orifices and overflows."""
+
+from collections.abc import Iterator
+
+import sympy
+
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.places.base import FLUID, Coefficient, E, F, Place
+from bondgraph.physics.places.junction import (
+    JunctionPlace,
+    OneJunctionPlace,
+    ZeroJunctionPlace,
+)
+from bondgraph.structure.edits import InsertElement, ReplaceRelation, SeveralEdits
+from bondgraph.structure.elements import FlowSource, Resistance, ZeroJunction
+from bondgraph.structure.signals import e, f, flow, signals_in
+
+
+class SquareRootOrifice(AbstractPhysics):
+    """A flow out of the junction with the square root of its effort."""
+
+    word = "square_root_orifice"
+    reference = "Torricelli 1643"
+    passivity = Passivity.DISSIPATIVE
+    signature = "a stock that empties in a parabola and to the end in finite time"
+    domains = FLUID
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it at 0-junctions; smooth within 0.1 % of the typical effort."""
+        if not isinstance(place, ZeroJunctionPlace) or not self.suits(place):
+            return
+        k = place.strength("orifice", place.unit(F), (0.0, 0.3 * place.flow), low=0.0)
+        at = place.constant("orifice_effort", place.unit(E), place.effort)
+        law = k.symbol * _smooth_root(e / at.symbol)
+        element = Resistance(place.name_of(self.word), law=law)
+        words = f"{place.a(F)} lost with the root of {place.domain.effort}"
+        edit = place.insert(element, k, at)
+        yield self.hypothesis(place, edit, law, (k, at), words)
+
+
+class SquareLaw(AbstractPhysics):
+    """A linear resistance that is a square law: effort grows with the flow squared.
+
+    The outlet of a tank, a turbulent pipe, a fan: the linear law is replaced, since the
+    two do not act side by side.
+    """
+
+    word = "square_root_orifice"
+    reference = "Torricelli 1643; turbulent pressure loss"
+    passivity = Passivity.DISSIPATIVE
+    signature = "a resistance that seems smaller the less flows"
+    domains = FLUID
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it for every fitted linear R of a hydraulic or analogue junction."""
+        if not isinstance(place, JunctionPlace) or not self.suits(place):
+            return
+        graph = place.graph
+        for bond in graph.bonds_at(place.name):
+            node = graph.node(bond.other(place.name))
+            linear = isinstance(node, Resistance) and node.law is None
+            if linear and not graph.parameters[node.name].exact:
+                yield self._replaced(place, node.name)
+
+    def _replaced(self, place: JunctionPlace, resistance: str) -> Hypothesis:
+        """Write the law in the variable that the junction gives."""
+        linear = place.graph.parameters[resistance].value or 1.0
+        if isinstance(place, OneJunctionPlace):
+            start = (linear / place.flow,)
+            unit = place.unit(E, F, 2)
+            k = place.shape(f"{resistance}_square", unit, start, low=0.0)
+            law = k.symbol * f * sympy.Abs(f)
+            coefficients: tuple[Coefficient, ...] = (k,)
+        else:
+            start = (place.effort / linear,)
+            k = place.shape(f"{resistance}_flow", place.unit(F), start, low=0.0)
+            at = place.constant(f"{resistance}_effort", place.unit(E), place.effort)
+            law = k.symbol * _smooth_root(e / at.symbol)
+            coefficients = (k, at)
+        parameters = tuple(c.parameter for c in coefficients)
+        words = (
+            f"{resistance} passes {place.a(F)} that grows with the root of "
+            f"{place.domain.effort}, not in proportion to it"
+        )
+        edit = ReplaceRelation(resistance, law, parameters)
+        also = (resistance,)
+        return self.hypothesis(place, edit, law, coefficients, words, also=also)
+
+
+class Overflow(AbstractPhysics):
+    """A flow over an edge: nothing below a level, steeply more above it.
+
+    What flows over is lost, or part of it falls into the next stock.
+    """
+
+    word = "overflow"
+    reference = "Poleni 1717 (weir); Schoukens et al. 2016 (cascaded tanks)"
+    passivity = Passivity.DISSIPATIVE
+    signature = (
+        "a level that stays at a ceiling while the inflow goes on; taken for a "
+        "saturated sensor, which leaves what follows untouched"
+    )
+    domains = FLUID
+    shares = (0.5, 0.65, 0.8, 0.9)
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it at 0-junctions: proportional, as a weir, and into the next."""
+        if not isinstance(place, ZeroJunctionPlace) or not self.suits(place):
+            return
+        yield self._over(place, power=sympy.S.One, below=None)
+        yield self._over(place, power=sympy.Rational(3, 2), below=None)
+        for below in _next_stocks(place):
+            yield self._over(place, power=sympy.S.One, below=below)
+
+    def _over(
+        self, place: ZeroJunctionPlace, *, power: sympy.Expr, below: str | None
+    ) -> Hypothesis:
+        low, high = place.scales.range_of(f"{E}({place.name})", place.effort)
+        bottom = max(low, 0.0)
+        levels = tuple(bottom + share * (high - bottom) for share in self.shares)
+        none = (0.0,) * len(levels)
+        some = (2.0 * place.flow,) * len(levels)
+        edge = place.shape("overflow_level", place.unit(E), levels * 2)
+        k = place.strength("overflow", place.unit(F), none + some, low=0.0)
+        size = place.constant("overflow_effort", place.unit(E), place.effort)
+        law = k.symbol * sympy.Max((e - edge.symbol) / size.symbol, 0) ** power
+        name = place.name_of("overflow")
+        edit = place.insert(Resistance(name, law=law), edge, k, size)
+        over = f"{place.a(F)} over an edge, once {place.domain.effort} has reached it"
+        if below is None:
+            form = " (weir)" if power != 1 else ""
+            return self.hypothesis(place, edit, law, (edge, k, size), f"{over}{form}")
+        share = place.shape("overflow_share", "1", (0.5,), low=0.0, high=1.0)
+        into = FlowSource(f"{name}_to_{below}", value=share.symbol * flow(name))
+        fall = InsertElement(below, into, (share.parameter,))
+        return self.hypothesis(
+            place,
+            SeveralEdits((edit, fall)),
+            law,
+            (edge, k, share, size),
+            f"{over}; part of it falls into {below}",
+            extends=("overflow",),
+        )
+
+
+def _next_stocks(place: ZeroJunctionPlace) -> tuple[str, ...]:
+    """Return the 0-junctions that what flows out of here flows into.
+
+    Through a resistance between the two, or a source that reads the flow of one here.
+    """
+    graph = place.graph
+    found: dict[str, None] = {}
+    for bond in graph.bonds_at(place.name):
+        beyond = bond.other(place.name)
+        if bond.tail == place.name and place.is_one_junction(beyond):
+            for following in graph.bonds_at(beyond):
+                if isinstance(graph.node(following.head), ZeroJunction):
+                    found[following.head] = None
+    outlets = {n.name for n in place.neighbours if isinstance(n, Resistance)}
+    for node in graph.elements:
+        if not isinstance(node, FlowSource) or node.value is None:
+            continue
+        if outlets & {signal.place for signal in signals_in(node.value)}:
+            found[graph.bonds_at(node.name)[0].head] = None
+    return tuple(name for name in found if name != place.name)
+
+
+def _smooth_root(x: sympy.Expr) -> sympy.Expr:
+    """Return the signed square root of x, smooth within 0.1 % of its range."""
+    return x / (x**2 + sympy.Float(1e-6)) ** sympy.Rational(1, 4)

@@ -1,0 +1,205 @@
+"""Efforts that depend on position: springs, gravity, stops, cogging.
+
+They need a displacement whose zero means something; where the origin would be free in
+every recording, they are not proposed.
+"""
+
+import math
+from collections.abc import Iterator
+
+import sympy
+
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.places.base import MECHANICAL, E, F, Place, Q
+from bondgraph.physics.places.element import ElementPlace
+from bondgraph.physics.places.junction import OneJunctionPlace
+from bondgraph.structure.domains import ROTATION
+from bondgraph.structure.elements import Compliance, EffortSource
+from bondgraph.structure.signals import displacement, f, flow, q
+
+
+def restoring(place: Place, name: str, law: sympy.Expr) -> EffortSource:
+    """Return a source whose effort opposes `law`, a law of q and f here.
+
+    A C would bring a displacement of its own, with an origin of its own; the effort has
+    to read the one that the place already has.
+    """
+    here = {q: displacement(place.name), f: flow(place.name)}
+    return EffortSource(name, value=-law.xreplace(here))
+
+
+class Gravity(AbstractPhysics):
+    """The torque of an eccentric weight on a horizontal axis."""
+
+    word = "gravity"
+    reference = "physical pendulum: m g l sin(q + q_0), both phases fitted"
+    passivity = Passivity.STORING
+    signature = "an effort periodic in the angle; a spring over small angles"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it at rotating 1-junctions whose angle is known."""
+        if not isinstance(place, OneJunctionPlace) or place.domain != ROTATION:
+            return
+        if not place.displacement_known:
+            return
+        some = 0.3 * place.effort
+        a = place.strength("gravity_sine", place.unit(E), (0.0, some))
+        b = place.strength("gravity_cosine", place.unit(E))
+        law = a.symbol * sympy.sin(q) + b.symbol * sympy.cos(q)
+        element = restoring(place, place.name_of(self.word), law)
+        words = "the torque of a weight that turns with the shaft"
+        yield self.hypothesis(place, place.insert(element, a, b), law, (a, b), words)
+
+
+class Spring(AbstractPhysics):
+    """An effort proportional to displacement, with its rest position."""
+
+    word = "spring"
+    reference = "Hooke's law"
+    passivity = Passivity.STORING
+    signature = "an effort that follows the displacement; gravity over small angles"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it where the displacement is known and no fitted linear C sits."""
+        if not isinstance(place, OneJunctionPlace) or not place.displacement_known:
+            return
+        if place.has_free_linear(Compliance):
+            return
+        some = 0.2 * place.effort / place.displacement
+        k = place.strength("stiffness", place.unit(E, Q), (0.0, some), low=0.0)
+        rest = place.strength("spring_offset", place.unit(E))
+        law = k.symbol * q + rest.symbol
+        element = restoring(place, place.name_of(self.word), law)
+        edit = place.insert(element, k, rest)
+        words = f"{place.a(E)} proportional to {place.domain.displacement}"
+        yield self.hypothesis(place, edit, law, (k, rest), words)
+
+
+class HardeningSpring(AbstractPhysics):
+    """A spring whose stiffness grows (or falls) with deflection."""
+
+    word = "hardening_spring"
+    reference = "Duffing 1918"
+    passivity = Passivity.STORING
+    signature = "resonance moves with amplitude; odd harmonics"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it where the displacement is known, and for a C on a 0-junction."""
+        if isinstance(place, OneJunctionPlace) and place.displacement_known:
+            yield self._beside(place)
+        if isinstance(place, ElementPlace) and isinstance(place.element, Compliance):
+            on_one = place.is_one_junction(place.junctions[0])
+            if not on_one and q in place.usual_law.free_symbols:
+                yield self._own(place)
+
+    def _beside(self, place: OneJunctionPlace) -> Hypothesis:
+        some = 0.2 * place.effort / place.displacement**3
+        k = place.strength("cubic_stiffness", place.unit(E, Q, 3), (0.0, some))
+        law = k.symbol * q**3
+        element = restoring(place, place.name_of(self.word), law)
+        words = f"{place.a(E)} that grows with the cube of {place.domain.displacement}"
+        springs = (n.name for n in place.neighbours if isinstance(n, Compliance))
+        return self.hypothesis(
+            place, place.insert(element, k), law, (k,), words, also=tuple(springs)
+        )
+
+    def _own(self, place: ElementPlace) -> Hypothesis:
+        some = 0.2 * place.effort / place.content**3
+        k = place.strength("cubic_stiffness", place.unit(E, Q, 3), (0.0, some))
+        law = place.usual_law + k.symbol * q**3
+        words = (
+            f"{place.name} gives {place.a(E)} that also grows with the cube of "
+            f"{place.domain.displacement}"
+        )
+        return self.hypothesis(
+            place, place.replace(law, k), law, (k,), words, also=place.junctions
+        )
+
+
+class EndStop(AbstractPhysics):
+    """A stop at one end of the way, elastic and with losses while it is pressed."""
+
+    word = "end_stop"
+    reference = "Hunt and Crossley, J. Applied Mechanics 42, 1975"
+    passivity = Passivity.DISSIPATIVE
+    signature = (
+        "motion that ends at one position however hard it is driven; taken for a "
+        "hardening spring where the stop is soft"
+    )
+    domains = MECHANICAL
+    shares = (0.5, 0.65, 0.8, 0.95)
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield the upper and the lower stop where the displacement is known."""
+        if not isinstance(place, OneJunctionPlace) or not self.suits(place):
+            return
+        if place.displacement_known:
+            low, high = place.displacement_range
+            yield self._stop(place, low, high, side=1)
+            yield self._stop(place, high, low, side=-1)
+
+    def _stop(
+        self, place: OneJunctionPlace, begin: float, end: float, *, side: int
+    ) -> Hypothesis:
+        way = abs(end - begin)
+        at = tuple(begin + share * (end - begin) for share in self.shares)
+        stiff = 5.0 * place.effort / way
+        none, some = (0.0,) * len(at), (stiff,) * len(at)
+        end_name = "upper" if side > 0 else "lower"
+        stop = place.shape(f"{end_name}_stop", place.unit(Q), at * 2)
+        k = place.strength(
+            f"{end_name}_stop_stiffness", place.unit(E, Q), none + some, low=0.0
+        )
+        unit = place.per(place.unit(E), Q, F)
+        damping = 0.2 * stiff / place.flow
+        d = place.strength(
+            f"{end_name}_stop_damping",
+            unit,
+            none + (damping,) * len(at),
+            low=0.0,
+        )
+        pressed = sympy.Max(side * (q - stop.symbol), 0)
+        law = side * k.symbol * pressed + d.symbol * pressed * f
+        element = restoring(place, place.name_of(f"{end_name}_end_stop"), law)
+        words = (
+            f"{place.a(E)} that stops the motion at {'an upper' if side > 0 else 'a'}"
+            f"{'' if side > 0 else ' lower'} end of its way"
+        )
+        edit = place.insert(element, stop, k, d)
+        return self.hypothesis(place, edit, law, (stop, k, d), words)
+
+
+class Cogging(AbstractPhysics):
+    """An effort that repeats along the way: poles, teeth, an eccentric wheel."""
+
+    word = "cogging"
+    reference = "detent torque of permanent magnet machines: Hanselman 2006, chapter 9"
+    passivity = Passivity.STORING
+    signature = "ripple fixed to the position, whose frequency rises with speed"
+    turns = (2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 14, 15, 16, 18, 20, 21, 24, 28, 30)
+    cycles = (1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0)
+
+    domains = MECHANICAL
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it where the displacement is known.
+
+        Whole numbers per turn are tried on a shaft (once per turn is gravity's law),
+        numbers of periods over the way elsewhere.
+        """
+        if not isinstance(place, OneJunctionPlace) or not self.suits(place):
+            return
+        if not place.displacement_known:
+            return
+        shaft = place.domain == ROTATION
+        low, high = place.displacement_range
+        along = tuple(2.0 * math.pi * n / (high - low) for n in self.cycles)
+        waves = tuple(map(float, self.turns)) if shaft else along
+        n = place.shape("cogging_wave", place.per("1", Q), waves, low=0.5 * waves[0])
+        a = place.strength("cogging_sine", place.unit(E))
+        b = place.strength("cogging_cosine", place.unit(E))
+        law = a.symbol * sympy.sin(n.symbol * q) + b.symbol * sympy.cos(n.symbol * q)
+        element = restoring(place, place.name_of(self.word), law)
+        words = f"{place.a(E)} that repeats along the {place.domain.displacement}"
+        edit = place.insert(element, a, b, n)
+        yield self.hypothesis(place, edit, law, (a, b, n), words)

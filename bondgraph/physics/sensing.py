@@ -1,0 +1,131 @@
+"""Sensors that do not read what is there: scale, offset, curvature, limits."""
+
+from collections.abc import Iterator
+
+import sympy
+
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.places.base import Place, Q
+from bondgraph.physics.places.channels import OutputPlace
+from bondgraph.structure.elements import Compliance
+from bondgraph.structure.nodes import written_laws
+from bondgraph.structure.signals import Signal, parameters_in, signals_in
+
+
+class SensorScale(AbstractPhysics):
+    """A reading in another proportion than the model says."""
+
+    word = "sensor_scale"
+    reference = "gain error of a sensor"
+    passivity = Passivity.SIGNAL
+    signature = "everything it reads in proportion; other sensors do not see it"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it for outputs without a fitted factor of their own."""
+        if not isinstance(place, OutputPlace) or _has_free(place, factor=True):
+            return
+        scale = place.shape("sensor_scale", "1", (1.0,))
+        law = scale.symbol * place.signal
+        words = f"{place.name} reads in another proportion than what is there"
+        yield self.hypothesis(place, place.become(law, scale), law, (scale,), words)
+
+
+class SensorBias(AbstractPhysics):
+    """A reading with an offset."""
+
+    word = "sensor_bias"
+    reference = "zero error of a sensor"
+    passivity = Passivity.SIGNAL
+    signature = "a constant error of one reading; other sensors do not see it"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it for outputs without a fitted offset of their own.
+
+        An integral that nothing else reads has a free origin, which is an offset.
+        """
+        if not isinstance(place, OutputPlace) or _has_free(place, factor=False):
+            return
+        if _origin_is_free(place):
+            return
+        b = place.strength("sensor_bias", place.channel_unit)
+        law = place.signal + b.symbol
+        words = f"{place.name} reads with a constant offset"
+        yield self.hypothesis(place, place.become(law, b), law, (b,), words)
+
+
+class SensorNonlinearity(AbstractPhysics):
+    """A reading that is bent, cut off or folded over."""
+
+    word = "sensor_nonlinearity"
+    reference = "static calibration curve; rectifying and saturating sensors"
+    passivity = Passivity.SIGNAL
+    signature = "an error that depends on the reading alone; what follows is untouched"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield a bent curve, a limit on either side, and a rectified reading."""
+        if not isinstance(place, OutputPlace):
+            return
+        yield self._bent(place)
+        low, high = place.range
+        yield self._cut(place, low, high, "upper")
+        yield self._cut(place, high, low, "lower")
+        if low < 0.0 < high:
+            yield self._rectified(place)
+
+    def _bent(self, place: OutputPlace) -> Hypothesis:
+        square = place.strength("sensor_square", "1", (0.0, 0.05))
+        cube = place.strength("sensor_cube", "1", (0.0, 0.05))
+        size = place.constant("sensor_size", place.channel_unit, place.peak)
+        x = place.signal / size.symbol
+        law = place.signal * (1 + square.symbol * x + cube.symbol * x**2)
+        words = f"{place.name} reads what is there along a bent curve"
+        coefficients = (square, cube, size)
+        edit = place.become(law, *coefficients)
+        return self.hypothesis(place, edit, law, coefficients, words)
+
+    def _cut(
+        self, place: OutputPlace, begin: float, end: float, side: str
+    ) -> Hypothesis:
+        at = tuple(begin + share * (end - begin) for share in (0.97, 0.85, 0.7, 0.5))
+        limit = place.shape(f"sensor_{side}_limit", place.channel_unit, at)
+        cut = sympy.Min if side == "upper" else sympy.Max
+        law = cut(place.signal, limit.symbol)
+        words = f"{place.name} does not read beyond its {side} limit"
+        edit = place.become(law, limit, nested=False)
+        return self.hypothesis(place, edit, law, (limit,), words)
+
+    def _rectified(self, place: OutputPlace) -> Hypothesis:
+        share = place.strength("rectified", "1", (0.0, 0.9), low=0.0, high=1.0)
+        folded = share.symbol * sympy.Abs(place.signal)
+        law = (1 - share.symbol) * place.signal + folded
+        words = f"{place.name} reads the size and not the sign (rectified)"
+        return self.hypothesis(place, place.become(law, share), law, (share,), words)
+
+
+def _has_free(place: OutputPlace, *, factor: bool) -> bool:
+    """Return whether the reading has a fitted factor (or offset) already."""
+    for name in parameters_in(place.signal):
+        if place.graph.parameters[name].std is not None:
+            continue
+        symbol = sympy.Symbol(name, real=True)
+        slope = place.signal.diff(symbol)
+        rest = place.signal - symbol * slope
+        if symbol in slope.free_symbols:
+            continue
+        if (sympy.expand(rest) == 0) if factor else slope.is_number:
+            return True
+    return False
+
+
+def _origin_is_free(place: OutputPlace) -> bool:
+    """Return whether it reads an integral whose zero is free in every recording."""
+    own = place.signal
+    if not isinstance(own, Signal) or own.quantity is not Q:
+        return False
+    graph = place.graph
+    laws = (law for node in graph.nodes for law in written_laws(node))
+    if any(own in signals_in(law) for law in laws):
+        return False
+    ends = (graph.node(bond.other(own.place)) for bond in graph.bonds_at(own.place))
+    here = (graph.node(own.place), *ends)
+    return not any(isinstance(node, Compliance) for node in here)

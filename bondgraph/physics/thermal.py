@@ -1,0 +1,78 @@
+"""Heat: radiation, and resistances that change as they warm."""
+
+from collections.abc import Iterator
+
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.places.base import HEAT, E, F, Place
+from bondgraph.physics.places.element import ElementPlace
+from bondgraph.physics.places.junction import ZeroJunctionPlace
+from bondgraph.structure.domains import THERMAL
+from bondgraph.structure.edits import SignalState
+from bondgraph.structure.elements import Resistance
+from bondgraph.structure.signals import displacement, e, effort, flow
+
+ICE = 273.15
+ROOM = 293.15
+"""Kelvin; efforts that stay below `COLD` are taken for temperatures above a room's."""
+COLD = 150.0
+
+
+class Radiation(AbstractPhysics):
+    """Heat lost with the fourth power of the absolute temperature.
+
+    A model may count temperatures from absolute zero, from the freezing point or from
+    the room; typical sizes tell which, and the surroundings' temperature is fitted.
+    """
+
+    word = "radiation"
+    reference = "Stefan 1879, Boltzmann 1884"
+    passivity = Passivity.DISSIPATIVE
+    signature = "a loss that grows faster than the temperature; nearly linear near it"
+    domains = HEAT
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it at every 0-junction."""
+        if not isinstance(place, ZeroJunctionPlace) or not self.suits(place):
+            return
+        absolute = place.effort > COLD
+        zero = place.constant("radiation_zero", "K", 0.0 if absolute else ICE)
+        room = place.shape("radiation_room", "K", (ROOM,), low=200.0, high=600.0)
+        k = place.strength("radiation", "W", (0.0, 0.2 * place.flow), low=0.0)
+        hot = (e + zero.symbol) / ROOM
+        law = k.symbol * (hot**4 - (room.symbol / ROOM) ** 4)
+        element = Resistance(place.name_of(self.word), law=law)
+        words = "heat lost with the fourth power of the absolute temperature"
+        edit = place.insert(element, k, room, zero)
+        yield self.hypothesis(place, edit, law, (k, room, zero), words)
+
+
+class TemperatureDependentResistance(AbstractPhysics):
+    """A resistance that changes as its own losses warm it.
+
+    Its rise x follows the power it takes, late: x' = (h e f - x) / tau, and the law is
+    that of the resistance times 1 + x. A winding's grows, a lubricant's falls.
+    """
+
+    word = "temperature_dependent_resistance"
+    reference = "Ohm's law with a temperature coefficient: IEC 60034-1; warm-up"
+    passivity = Passivity.DISSIPATIVE
+    signature = "a resistance that drifts over minutes of use; taken for wear or bias"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it for every linear R."""
+        if not isinstance(place, ElementPlace) or place.domain == THERMAL:
+            return
+        if not isinstance(place.element, Resistance) or place.element.law is not None:
+            return
+        some = 0.2 / (place.effort * place.flow)
+        stretch = place.scales.stretch
+        times = tuple(share * stretch for share in (0.03, 0.1, 0.3, 1.0))
+        h = place.strength("warming", place.per("1", E, F), (0.0,) * 4 + (some,))
+        tau = place.shape("warming_time", "s", times * 2, low=0.1 * times[0])
+        name = place.name_of("rise")
+        power = effort(place.name) * flow(place.name)
+        rate = (h.symbol * power - displacement(name)) / tau.symbol
+        law = place.usual_law * (1 + displacement(name))
+        words = f"{place.name} changes as it warms"
+        edit = place.replace(law, h, tau, states=(SignalState(name, rate),))
+        yield self.hypothesis(place, edit, law, (h, tau), words, also=place.junctions)

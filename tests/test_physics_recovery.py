@@ -1,0 +1,230 @@
+"""Every entry of the library finds its own parameters again, from its own starts.
+
+The machine is simulated with the physics in it and a little noise; the fit knows the
+machine, not the physics' parameters, and starts where the entry says.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import pytest
+from physics_machines import (
+    MACHINES,
+    FinishedGraph,
+    inputs,
+    outputs,
+    scales_of,
+    times,
+)
+
+from bondgraph import Recording, Settings, WholeRecordings, bind_to, fit
+from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.physics.library import LIBRARY
+from bondgraph.physics.places.everywhere import all_places
+
+WHOLE = Settings(horizon=WholeRecordings())
+NOISE = 1e-4
+"""Of an output's standard deviation."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One entry at one place, with the parameters to be found, by their stems."""
+
+    machine: str
+    entry: str
+    place: str
+    truth: dict[str, float] = field(hash=False)
+    which: int = 0
+
+    @property
+    def base(self) -> FinishedGraph:
+        """The machine without it, all of its parameters known."""
+        graph = MACHINES[self.machine]
+        exact = [replace(p, std=0.0) for p in graph.parameters.members]
+        return graph.with_parameters(exact)
+
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """What the entry proposes there."""
+        graph = MACHINES[self.machine]
+        (physics,) = (p for p in LIBRARY if type(p).__name__ == self.entry)
+        places = [
+            p for p in all_places(graph, scales_of(graph)) if p.name == self.place
+        ]
+        return [h for place in places for h in physics.propose(place)][self.which]
+
+
+CASES = [
+    Case("wheel", "ViscousFriction", "shaft", {"viscous": 0.05}),
+    Case("wheel", "CoulombFriction", "shaft", {"coulomb": 0.2}),
+    Case("dc_drive", "VoltageDrop", "winding", {"drop": 0.3}),
+    Case("geared_arm", "LoadDependentFriction", "joint", {"mu": 0.15}),
+    Case(
+        "wheel",
+        "DirectionDependentFriction",
+        "shaft",
+        {"coulomb": 0.2, "coulomb_difference": 0.05},
+    ),
+    Case(
+        "wheel",
+        "StribeckFriction",
+        "shaft",
+        {"coulomb": 0.15, "stribeck_rise": 0.15, "stribeck_flow": 0.4},
+    ),
+    Case("slider", "QuadraticDrag", "carriage", {"quadratic": 20.0}),
+    Case("slider", "ConstantBias", "carriage", {"bias": 0.4}),
+    Case("two_tanks", "ConstantBias", "upper", {"bias": 0.2}),
+    Case("lamp", "ConstantBias", "mains", {"input_bias": 0.2}),
+    Case("wheel", "Gravity", "shaft", {"gravity_sine": 0.5, "gravity_cosine": 0.2}),
+    Case("wheel", "Spring", "shaft", {"stiffness": 0.4, "spring_offset": 0.1}),
+    Case("slider", "HardeningSpring", "carriage", {"cubic_stiffness": 2e4}),
+    Case("two_masses", "HardeningSpring", "spring", {"cubic_stiffness": 2e4}),
+    Case("slider", "AddedInertia", "carriage", {"added_inertia": 0.5}),
+    Case("two_tanks", "AddedCompliance", "lower", {"added_compliance": 0.1}),
+    Case("two_tanks", "Leak", "upper", {"leak": 0.1}),
+    Case("heaters", "Leak", "block1", {"leak_to_block2_from": 0.01}, 1),
+    Case("two_masses", "Slip", "coupling", {"leak": 0.05}),
+    Case("draining_tank", "SquareLaw", "tank", {"outlet_flow": 0.5}),
+    Case("two_tanks", "SquareRootOrifice", "upper", {"orifice": 0.3}),
+    Case("two_tanks", "Overflow", "upper", {"overflow_level": 1.5, "overflow": 3.0}),
+    Case("two_tanks", "Overflow", "upper", {"overflow_level": 1.5, "overflow": 3.0}, 1),
+    Case(
+        "two_tanks",
+        "Overflow",
+        "upper",
+        {"overflow_level": 1.5, "overflow": 3.0, "overflow_share": 0.4},
+        2,
+    ),
+    Case("heaters", "Radiation", "block1", {"radiation": 1.0, "radiation_room": 300.0}),
+    Case(
+        "slider",
+        "EndStop",
+        "carriage",
+        {
+            "upper_stop": 0.03,
+            "upper_stop_stiffness": 300.0,
+            "upper_stop_damping": 400.0,
+        },
+    ),
+    Case(
+        "slider",
+        "EndStop",
+        "carriage",
+        {
+            "lower_stop": -0.03,
+            "lower_stop_stiffness": 300.0,
+            "lower_stop_damping": 400.0,
+        },
+        1,
+    ),
+    Case(
+        "geared_arm",
+        "SeriesCompliance",
+        "gear",
+        {"compliance": 0.005, "compliance_damping": 2.0},
+    ),
+    Case(
+        "geared_arm",
+        "Backlash",
+        "gear",
+        {"half_gap": 0.02, "contact_stiffness": 200.0, "contact_damping": 200.0},
+    ),
+    Case(
+        "slider", "DahlHysteresis", "carriage", {"hysteresis": 0.5, "presliding": 0.01}
+    ),
+    Case(
+        "slider",
+        "BoucWenHysteresis",
+        "carriage",
+        {"hysteresis": 0.5, "presliding": 0.01, "hysteresis_share": 0.7},
+    ),
+    Case(
+        "wheel",
+        "Cogging",
+        "shaft",
+        {"cogging_sine": 0.1, "cogging_cosine": 0.05, "cogging_wave": 4.0},
+    ),
+    Case(
+        "slider",
+        "Cogging",
+        "carriage",
+        {"cogging_sine": 0.3, "cogging_cosine": 0.1, "cogging_wave": 120.0},
+    ),
+    Case(
+        "geared_arm",
+        "Eccentricity",
+        "gear",
+        {"runout_sine_joint": 0.05, "runout_cosine_joint": 0.03},
+        1,
+    ),
+    Case("dc_drive", "SaturatingInertia", "inductance", {"saturation": 2e4}),
+    Case(
+        "dc_drive",
+        "TemperatureDependentResistance",
+        "resistance",
+        {"warming": 0.5, "warming_time": 0.8},
+    ),
+    Case(
+        "wheel", "SpeedLimit", "shaft", {"flow_limit": 4.0, "flow_limit_steepness": 1.0}
+    ),
+    Case("slider", "SensorBias", "position", {"sensor_bias": 0.01}),
+    Case("slider", "SensorScale", "position", {"sensor_scale": 1.1}),
+    Case("slider", "InputScale", "force", {"input_scale": 0.9}),
+    Case("slider", "Lag", "force", {"lag": 0.05}),
+    Case("slider", "Lag", "position", {"lag": 0.05}),
+    Case("slider", "Delay", "force", {"delay": 0.04}),
+    Case("slider", "Delay", "position", {"delay": 0.04}),
+    Case("damper", "Delay", "load", {"delay": 0.04}),
+    Case("slider", "Saturation", "force", {"limit": 1.5}),
+    Case("slider", "DeadZone", "force", {"dead_zone": 0.3}),
+    Case(
+        "slider",
+        "SensorNonlinearity",
+        "position",
+        {"sensor_square": 0.1, "sensor_cube": -0.05},
+    ),
+    Case("slider", "SensorNonlinearity", "position", {"sensor_upper_limit": 0.03}, 1),
+    Case("slider", "SensorNonlinearity", "position", {"sensor_lower_limit": -0.03}, 2),
+    Case("slider", "SensorNonlinearity", "position", {"rectified": 0.9}, 3),
+]
+
+
+@pytest.mark.parametrize(
+    "case", CASES, ids=lambda case: f"{case.entry}-{case.place}-{case.which}"
+)
+def test_its_parameters_are_found_again(case):
+    hypothesis = case.hypothesis
+    truth = {f"{stem}_{case.place}": value for stem, value in case.truth.items()}
+    assert set(truth) == set(hypothesis.parameters)
+    edited = hypothesis.apply(case.base)
+    driven = inputs(case.base)
+    clean = outputs(edited, truth)
+    random = np.random.default_rng(5)
+    noise = NOISE * clean.std(axis=0)
+    measured = clean + noise * random.standard_normal(clean.shape)
+    channels = {
+        s.name: (driven[:, i], case.base.input_unit(s.name))
+        for i, s in enumerate(case.base.inputs)
+    }
+    channels |= {
+        m.name: (measured[:, i], m.unit) for i, m in enumerate(case.base.measurements)
+    }
+    recording = bind_to(edited, Recording.from_arrays("made", times(), channels))
+    best = None
+    for start in hypothesis.starts:
+        # A trial step on which the simulation fails costs infinitely.
+        with np.errstate(invalid="ignore"):
+            result = fit(edited.with_parameters(start), [recording], settings=WHOLE)
+        if best is None or result.score.nrmse < best.score.nrmse:
+            best = result
+        if best.score.nrmse < 2.0 * NOISE:
+            break
+    found = {e.name: e.value for e in best.estimates}
+    for name, value in truth.items():
+        assert found[name] == pytest.approx(value, rel=0.05), (found, best.score)
+
+
+def test_every_entry_is_tried_here_or_is_a_free_curve():
+    tried = {case.entry for case in CASES}
+    assert {type(p).__name__ for p in LIBRARY} - tried == {"UnknownRelation"}
