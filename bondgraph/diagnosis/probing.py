@@ -25,6 +25,7 @@ from bondgraph.simulation.shooting import Shots, shoot
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.edits import InsertElement
 from bondgraph.structure.elements import (
+    Compliance,
     EffortSource,
     FlowSource,
     Junction,
@@ -57,7 +58,12 @@ def _probes(graph: FinishedGraph) -> tuple[Signal, ...]:
         for signal in measurement.expression.free_symbols
         if isinstance(signal, Signal) and signal.quantity is Quantity.DISPLACEMENT
     }
-    unique = dict.fromkeys([*own, *sorted(read, key=lambda signal: signal.name)])
+    held = {
+        displacement(element.name)
+        for element in graph.elements
+        if isinstance(element, Compliance)
+    }
+    unique = dict.fromkeys([*own, *sorted(read | held, key=lambda s: s.name)])
     return tuple(unique)
 
 
@@ -91,19 +97,46 @@ def probe(fitted: FittedModel, signals: Sequence[Signal]) -> dict[Signal, Array]
 
 
 def measure_scales(fitted: FittedModel) -> Scales:
-    """Return the typical sizes of the signals at every place."""
-    sizes = {
-        signal.name: float(np.sqrt(np.nanmean(values**2)))
-        for signal, values in probe(fitted, _probes(fitted.graph)).items()
+    """Return typical sizes and ranges of the signals at every place, and of channels.
+
+    What a sensor reads directly has the range that was measured: a model without an
+    end stop passes it.
+    """
+    graph, shots = fitted.graph, fitted.problem.shots
+    found = {
+        signal.name: values for signal, values in probe(fitted, _probes(graph)).items()
     }
-    graph = fitted.graph
+    names = fitted.problem.model.input_names
+    for name, values in zip(names, shots.inputs.T, strict=True):
+        effort = isinstance(graph.node(name), EffortSource)
+        quantity = Quantity.EFFORT if effort else Quantity.FLOW
+        found[Signal(quantity, name).name] = values
+    for measurement, values in zip(graph.measurements, shots.outputs.T, strict=True):
+        found[measurement.name] = values
+        if isinstance(measurement.expression, Signal):
+            found[measurement.expression.name] = values
+    known = {name: x for name, x in found.items() if np.isfinite(x).any()}
+    sizes = {name: float(np.sqrt(np.nanmean(x**2))) for name, x in known.items()}
     for junction in graph.junctions:
         quantity = (
             Quantity.EFFORT if isinstance(junction, OneJunction) else Quantity.FLOW
         )
         bonds = [f"{quantity}({b.name})" for b in graph.bonds_at(junction.name)]
         sizes[f"{quantity}({junction.name})"] = max(sizes[bond] for bond in bonds)
-    return Scales(sizes)
+    return Scales(
+        sizes,
+        {name: (float(np.nanmin(x)), float(np.nanmax(x))) for name, x in known.items()},
+        interval=_interval(shots),
+        duration=float(
+            max(shots.time[s.stop - 1] - shots.time[s.start] for s in shots.slices)
+        ),
+    )
+
+
+def _interval(shots: Shots) -> float:
+    """Return the median time between samples; 0 where every window has only one."""
+    steps = np.concatenate([np.diff(shots.time[part]) for part in shots.slices])
+    return float(np.median(steps)) if steps.size else 0.0
 
 
 @dataclass(frozen=True, slots=True)

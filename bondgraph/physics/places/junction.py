@@ -83,16 +83,23 @@ class JunctionPlace(Place):
     @property
     def displacement(self) -> float:
         """Typical displacement; where not known, that of a C here, or of a swing."""
+        default = 0.1 * self.flow * self.scales.stretch
         for node in self.neighbours:
-            if is_linear(node) and isinstance(node, Compliance):
-                compliance = self.graph.parameters[node.name].value or 1.0
-                return self.scales.at(Q, self.name, compliance * self.effort)
-        return self.scales.at(Q, self.name, 0.1 * self.flow * self.scales.stretch)
+            if isinstance(node, Compliance):
+                default = self.scales.at(Q, node.name, default)
+                if is_linear(node):
+                    compliance = self.graph.parameters[node.name].value or 1.0
+                    default = compliance * self.effort
+        return self.scales.at(Q, self.name, default)
 
     @property
     def displacement_range(self) -> tuple[float, float]:
-        """Least and largest displacement."""
+        """Least and largest displacement, here or of a C."""
         size = self.displacement
+        names = (self.name, *(n.name for n in self.neighbours))
+        for name in names:
+            if f"{Q}({name})" in self.scales.ranges:
+                return self.scales.range_of(f"{Q}({name})", size)
         return self.scales.range_of(f"{Q}({self.name})", size)
 
     def insert(
