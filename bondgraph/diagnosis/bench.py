@@ -8,6 +8,7 @@ import numpy as np
 from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.journal import Plain, fingerprint
 from bondgraph.diagnosis.posing import light, thinned
+from bondgraph.diagnosis.surrogates import Baseline
 from bondgraph.diagnosis.trying import Start, Trial, restored
 from bondgraph.diagnosis.workers import Work, Workshop
 from bondgraph.fitting.estimate import FittedModel
@@ -39,6 +40,17 @@ class Bench:
     ) -> list[Plain]:
         """Do a piece of work for every trial, on few data or on all."""
         common = light(self.few if few else self.base)
+        return self._run(work, common, trials, what)
+
+    def screen(self, work: Work, trials: Sequence[Trial], what: str) -> list[Plain]:
+        """Do a piece of work that needs the base model's residual, on few data."""
+        residuals = self.few.optimum.linearisation.residuals
+        common = Baseline(light(self.few), residuals)
+        return self._run(work, common, trials, what)
+
+    def _run(
+        self, work: Work, common: object, trials: Sequence[Trial], what: str
+    ) -> list[Plain]:
         keys = [f"{work.__name__} {self.id} {_told(trial)}" for trial in trials]
         return self.shop.each(work, common, trials, keys, f"{self.name}: {what}")
 
@@ -46,11 +58,13 @@ class Bench:
         self, trials: Sequence[Trial], results: Sequence[Plain]
     ) -> list[Candidate]:
         """Return the fitted models that fits of `trials` have ended in."""
-        return [
-            Candidate(trial.hypothesis, restored(self.base, ended(trial, result)))
-            for trial, result in zip(trials, results, strict=True)
-            if "refused" not in result
-        ]
+        found = []
+        for trial, result in zip(trials, results, strict=True):
+            if "refused" not in result:
+                fitted = restored(self.base, ended(trial, result))
+                more = len(fitted.problem.free) - len(self.base.problem.free)
+                found.append(Candidate(trial.hypothesis, fitted, more))
+        return found
 
 
 def _told(trial: Trial) -> str:

@@ -8,7 +8,7 @@ the simplest wins; the others stay on record as alternatives.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bondgraph.diagnosis.candidates import Candidate
+from bondgraph.diagnosis.candidates import Candidate, Chance
 from bondgraph.diagnosis.confidence import winning_shares
 from bondgraph.diagnosis.evidence import Gain, LeftOutErrors, compare
 from bondgraph.diagnosis.records import Support
@@ -18,6 +18,16 @@ CURVE = "unknown_relation"
 ALIKE = 0.02
 NAMED_SHARE = 0.8
 """A named law must give this share of what a free curve gives, or the curve is told."""
+
+
+TYPICAL = {
+    "hydraulic": frozenset({"square_root_orifice", "leak", "overflow"}),
+    "electrical": frozenset({"voltage_drop", "saturating_inertia"}),
+    "thermal": frozenset({"lag", "radiation", "leak"}),
+    "rotation": frozenset({"coulomb_friction", "load_dependent_friction"}),
+    "translation": frozenset({"coulomb_friction"}),
+}
+"""What models of each domain leave out most often, and so the first thing to say."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,10 +48,14 @@ class Rule:
     materiality: float = 0.1
     order: tuple[str, ...] = tuple(physics.word for physics in LIBRARY)
 
-    def plainness(self, judged: "Judged") -> int:
-        """Return how late in the library's order the physics comes."""
+    def plainness(self, judged: "Judged") -> tuple[bool, int]:
+        """Return how far-fetched the physics is: what is typical of a domain comes
+        first, then what comes first in the library.
+        """  # noqa: D205  (one sentence)
         known = judged.physics in self.order
-        return self.order.index(judged.physics) if known else len(self.order)
+        place = self.order.index(judged.physics) if known else len(self.order)
+        typical = TYPICAL.get(judged.domain, frozenset())
+        return judged.physics not in typical, place
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,23 +74,57 @@ class Judged:
         return self.candidate.hypothesis.physics
 
     @property
+    def domain(self) -> str:
+        """The name of the domain there; empty where the place has none."""
+        domains = self.candidate.fitted.graph.domains_at(self.place)
+        return domains[0].name if domains else ""
+
+    @property
     def place(self) -> str:
         """The place."""
         return self.candidate.hypothesis.place
+
+
+@dataclass(frozen=True, slots=True)
+class Others:
+    """What a candidate is the best of.
+
+    Parameters
+    ----------
+    base_cost
+        Training error of the model without any.
+    """
+
+    tried: int
+    chance: Chance
+    base_cost: float
+
+    def reduction(self, candidate: Candidate) -> float:
+        """Return the share of the training error that a candidate takes away."""
+        return 1.0 - candidate.fitted.optimum.cost / self.base_cost
 
 
 def judge(
     candidate: Candidate,
     base: LeftOutErrors,
     errors: LeftOutErrors,
-    tried: int,
+    others: Others,
     rule: Rule,
 ) -> Judged:
-    """Return what the left-out chunks say of one candidate among `tried`."""
+    """Return what the left-out chunks say of one candidate among others.
+
+    Two tests share the level. One knows the left-out chunks only, and counts every
+    hypothesis tried as if each were a chance of its own. The other asks how often
+    chance gives so large a reduction, and the left-out chunks only have to confirm it.
+    """
     gain = compare(base, errors)
-    corrected = min(gain.p_value * tried, 1.0)
+    by_chunks = gain.p_value * others.tried
+    confirmed = gain.value > 2.0 * gain.std
+    by_chance = others.chance.p_value(others.reduction(candidate))
+    corrected = 2.0 * min(by_chunks, by_chance if confirmed else 1.0)
     enough = gain.value >= rule.materiality
     sure = corrected <= rule.false_alarm_probability
+    tried = others.tried
     share = f"{100 * gain.value:.1f} ± {100 * gain.std:.1f} %"
     if enough and sure:
         support, reason = Support.SUPPORTED, f"reduces the left-out error by {share}"
@@ -108,11 +156,23 @@ def best_supported(judged: Sequence[Judged], rule: Rule) -> Judged | None:
         best_named = max(named, key=lambda j: j.gain.value)
         if best_named.gain.value >= NAMED_SHARE * best.gain.value:
             supported, best = named, best_named
+    chosen = _plainest_near(best, supported, rule)
+    while True:
+        plainer = _plainest_near(chosen, supported, rule)
+        if plainer.candidate.complexity >= chosen.candidate.complexity:
+            return chosen
+        chosen = plainer
+
+
+def _plainest_near(best: Judged, supported: Sequence[Judged], rule: Rule) -> Judged:
+    """Return the simplest candidate that `best` does not clearly beat.
+
+    Of laws that predict alike, the plainest; of places, the best.
+    """
     close = [j for j in supported if not clearly_better(best, j, rule)]
     fewest = min(j.candidate.complexity for j in close)
     simplest = [j for j in close if j.candidate.complexity == fewest]
     leading = max(simplest, key=lambda j: j.gain.value)
-    # Of laws that predict alike, the plainest; of places, the best.
     plainest = min((j for j in simplest if alike(leading, j)), key=rule.plainness)
     same = [j for j in simplest if j.physics == plainest.physics]
     return max(same, key=lambda j: j.gain.value)

@@ -9,11 +9,13 @@
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from bondgraph.diagnosis.answer import answer
 from bondgraph.diagnosis.journal import Journal
+from bondgraph.diagnosis.misreadings import without_misreadings
 from bondgraph.diagnosis.records import Diagnosis
 from bondgraph.diagnosis.search import Options, search, search_settings, sharpened
 from bondgraph.diagnosis.verdict import excusable
@@ -53,6 +55,8 @@ def diagnose(
         If the base model cannot be simulated at all.
     """
     chosen = Options() if options is None else options
+    read, kept_back = without_misreadings(recordings), without_misreadings(held_out)
+    recordings, held_out = read.recordings, kept_back.recordings
     progress("fitting the base model")
     settings = search_settings(graph, recordings, chosen.settings)
     base = fit_model(graph, recordings, settings)
@@ -70,7 +74,8 @@ def diagnose(
         progress("refitting the improved model")
         final = sharpened(rounds[-1].base, recordings, chosen)
     progress("simulating the held-out recordings")
-    return answer(graph, recordings, held_out, rounds, final, chosen)
+    found = answer(graph, recordings, held_out, rounds, final, chosen)
+    return replace(found, notes=(*found.notes, *read.notes, *kept_back.notes))
 
 
 __all__ = ["Options", "diagnose"]

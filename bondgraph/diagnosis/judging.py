@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from bondgraph.diagnosis.bench import Bench
-from bondgraph.diagnosis.candidates import Candidate
+from bondgraph.diagnosis.candidates import Candidate, Chance
 from bondgraph.diagnosis.decision import (
     Judged,
+    Others,
     Rule,
     best_supported,
     judge,
@@ -31,7 +32,7 @@ class Verdicts:
 
 
 def judge_all(
-    bench: Bench, worth: Sequence[Candidate], tried: int, rule: Rule
+    bench: Bench, worth: Sequence[Candidate], tried: int, chance: Chance, rule: Rule
 ) -> Verdicts:
     """Judge candidates on left-out data; twins share their errors.
 
@@ -39,6 +40,8 @@ def judge_all(
     ----------
     tried
         How many hypotheses these are the best of.
+    chance
+        What the best of them seems to explain by chance.
     """
     if not worth:
         return Verdicts()
@@ -60,8 +63,9 @@ def judge_all(
         i: LeftOutErrors(np.array(result["chunks"]))
         for i, result in zip(kinds, results, strict=True)
     }
+    others = Others(tried, chance, bench.base.optimum.cost)
     judged = tuple(
-        judge(candidate, before, errors[i], tried, rule)
+        judge(candidate, before, errors[i], others, rule)
         for i, candidate in zip(first, worth, strict=True)
     )
     chosen = best_supported(judged, rule)

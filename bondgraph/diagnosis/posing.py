@@ -50,6 +50,12 @@ def thetas(
     return [np.array([{**known, **start}[name] for name in free]) for start in starts]
 
 
+def added(base: FittedModel, problem: FitProblem) -> NDArray[np.bool_]:
+    """Return which free parameters of a posed hypothesis the base model lacks."""
+    names = problem.model.parameter_names
+    return np.array([names[i] not in base.values for i in problem.free], dtype=bool)
+
+
 def initial_states(base: FittedModel, names: Sequence[str]) -> Array:
     """Return the base model's initial states, with zeros for new states."""
     known = dict(

@@ -204,7 +204,7 @@ def _one_round(
     worth = [c for c in fitted if c.reduction(base) >= least]
     order = {id(hypothesis): i for i, hypothesis in enumerate(hypotheses)}
     worth.sort(key=lambda candidate: order[id(candidate.hypothesis)])
-    verdicts = judge_all(bench, worth, len(hypotheses), options.rule)
+    verdicts = judge_all(bench, worth, len(hypotheses), screened.chance, options.rule)
     return Round(
         base,
         len(hypotheses),

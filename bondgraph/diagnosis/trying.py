@@ -13,20 +13,21 @@ from numpy.typing import NDArray
 
 from bondgraph.diagnosis.evidence import left_out_errors
 from bondgraph.diagnosis.journal import Plain
-from bondgraph.diagnosis.posing import initial_states, pose_hypothesis, thetas
+from bondgraph.diagnosis.posing import added, initial_states, pose_hypothesis, thetas
+from bondgraph.diagnosis.score_test import score_test
+from bondgraph.diagnosis.surrogates import Baseline
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.levenberg_marquardt import (
     Optimum,
     minimise,
-    promised_reduction,
     settle,
 )
 from bondgraph.fitting.problem import FitProblem
 from bondgraph.physics.hypothesis import Hypothesis
 
 Array = NDArray[np.float64]
-PROMISE_ITERATIONS = 2
+PROMISE_ITERATIONS = 5
 SHORT_ITERATIONS = 5
 FULL_ITERATIONS = 30
 SETTLE_ITERATIONS = 6
@@ -64,24 +65,31 @@ class Trial:
     chunks: int = 0
 
 
-def promise(base: FittedModel, trial: Trial) -> Plain:
+def promise(baseline: Baseline, trial: Trial) -> Plain:
     """Return the share of the base's cost that a hypothesis promises to take away.
 
-    Where the base model is nested in it, the decrease of the linearised problem, with
-    all other parameters and the initial states refitted: one simulation for each of the
-    starts at which it has no effect (a score test, with shape parameters tried at
-    several values: Davies, Biometrika 64, 1977). Else, what two steps of a fit reach.
+    Where the base model is nested in it, by a score test: one simulation for each of
+    the starts at which it has no effect (shape parameters are tried at several values:
+    Davies, Biometrika 64, 1977), with what it promises of surrogates of the residual.
+    Else, what a few steps of a fit reach.
     """
-    hypothesis = trial.hypothesis
+    base, hypothesis = baseline.fitted, trial.hypothesis
     silent = hypothesis.silent_starts
 
     def promised() -> Plain:
         problem = pose_hypothesis(base, hypothesis)
         initial = initial_states(base, problem.model.state_names)
         if silent:
+            new = added(base, problem)
             tried = thetas(base, hypothesis, problem, silent)
-            found = [promised_reduction(problem, theta, initial) for theta in tried]
-            return {"promised": max(found)}
+            scores = [
+                score_test(baseline, problem, theta, initial, new) for theta in tried
+            ]
+            chance = np.max([score.by_chance for score in scores], axis=0)
+            return {
+                "promised": max(score.promised for score in scores),
+                "by_chance": [round(float(share), 6) for share in chance],
+            }
         best = _best(base, trial, problem, PROMISE_ITERATIONS)
         return {"promised": float(1.0 - best.cost / base.optimum.cost)}
 

@@ -1,0 +1,93 @@
+"""What added parameters promise: the score test, from one simulation.
+
+At an optimum of the base model, with the added strengths zero, the linearised problem
+tells by how much the error would fall if they were freed and everything else, initial
+states included, were fitted anew: g' S⁻¹ g, where g is the slope of the error in the
+added parameters and S their curvature once all others have been projected out (Rao,
+Proceedings of the Cambridge Philosophical Society 44, 1948).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.diagnosis.surrogates import Baseline, orthonormal, sensitivities
+from bondgraph.fitting.problem import FitProblem, truncated_inverse
+
+Array = NDArray[np.float64]
+OWN = 1e-5
+"""What is left of a parameter's effect beside the base model's own; less is nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """The share of the error that is promised, and of each surrogate."""
+
+    promised: float
+    by_chance: Array
+
+
+def score_test(
+    baseline: Baseline,
+    problem: FitProblem,
+    theta: Array,
+    initial: Array,
+    added: NDArray[np.bool_],
+) -> Score:
+    """Return what the added parameters promise, and what they seem to by chance.
+
+    Parameters
+    ----------
+    theta, initial
+        The base model's optimum, with the added parameters where they have no effect.
+    added
+        Which of the free parameters are added; steps of these stay within bounds.
+    """
+    jacobian = sensitivities(problem, theta, initial)
+    whole = jacobian[:, :, : len(theta)][:, :, added].reshape(-1, int(added.sum()))
+    low = (problem.low[problem.free] - theta)[added]
+    high = (problem.high[problem.free] - theta)[added]
+    if not np.isfinite(whole).all():
+        return Score(-np.inf, np.zeros(baseline.draws.shape[1]))
+    columns = baseline.project(whole)
+    there = np.linalg.norm(columns, axis=0) > OWN * np.linalg.norm(whole, axis=0)
+    columns, low, high = columns[:, there], low[there], high[there]
+    residual = baseline.residual
+    step = _bounded(columns.T @ columns, columns.T @ residual, low, high)
+    left = residual - columns @ step
+    power = max(float(residual @ residual), 1e-300)
+    return Score(
+        1.0 - float(left @ left) / power, _chance(baseline, columns, low, high)
+    )
+
+
+def _chance(baseline: Baseline, columns: Array, low: Array, high: Array) -> Array:
+    """Return the share of every surrogate that the columns explain.
+
+    A single parameter at its bound may go one way only.
+    """
+    basis = orthonormal(columns)
+    along = basis.T @ baseline.draws
+    if basis.shape[1] == 1 and columns.shape[1] == 1:
+        along = along * np.sign(basis[:, 0] @ columns[:, 0])
+        along = np.clip(along, -np.inf if low[0] < 0.0 else 0.0, None)
+        along = np.clip(along, None, np.inf if high[0] > 0.0 else 0.0)
+    shares: Array = (along**2).sum(axis=0)
+    return shares
+
+
+def _bounded(curvature: Array, score: Array, low: Array, high: Array) -> Array:
+    """Return the best step within bounds; what would leave them is held at them."""
+    step = np.zeros(len(score))
+    free = np.ones(len(score), dtype=bool)
+    while free.any():
+        inner = curvature[np.ix_(free, free)]
+        rest = score[free] - curvature[np.ix_(free, ~free)] @ step[~free]
+        step[free] = truncated_inverse(inner) @ rest
+        outside = (step < low) | (step > high)
+        if not outside.any():
+            break
+        step = np.clip(step, low, high)
+        free &= ~outside
+    return step

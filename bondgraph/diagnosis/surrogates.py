@@ -1,0 +1,124 @@
+"""What chance would promise: the base model's residual with its phases drawn anew.
+
+A surrogate has the spectrum of the residual, and so its colour, but no relation to what
+the machine did (Theiler, Eubank, Longtin, Galdrikian and Farmer, Physica D 58, 1992).
+The largest share of a surrogate that any hypothesis seems to explain is what the search
+over all of them finds where nothing is missing; it counts the number of hypotheses, and
+how alike they are, by itself.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.fitting.problem import FitProblem, parts
+
+Array = NDArray[np.float64]
+DRAWS = 399
+SEED = 7
+DEPENDENT = 1e-7
+"""A direction this much shorter than the longest is no direction of its own."""
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """The base model with its residual, and what its own parameters can explain.
+
+    Parameters
+    ----------
+    fitted
+        The base model at its optimum.
+    residuals
+        Scaled, (n, ny).
+    """
+
+    fitted: FittedModel
+    residuals: Array
+
+    @cached_property
+    def _jacobian(self) -> Array:
+        problem, optimum = self.fitted.problem, self.fitted.optimum
+        return sensitivities(problem, optimum.theta, optimum.initial)
+
+    @cached_property
+    def _initial(self) -> list[Array]:
+        """Orthonormal directions of every window's initial state."""
+        nq = len(self.fitted.problem.free)
+        windows = self.fitted.problem.shots.slices
+        return [orthonormal(_flat(self._jacobian[w, :, nq:])) for w in windows]
+
+    @cached_property
+    def _shared(self) -> Array:
+        """Orthonormal directions of the parameters, beside the initial states."""
+        nq = len(self.fitted.problem.free)
+        return orthonormal(self._without_initial(_flat(self._jacobian[:, :, :nq])))
+
+    def project(self, columns: Array) -> Array:
+        """Return columns (n ny, m) without what the base model's own fit explains."""
+        own = self._without_initial(columns)
+        rest: Array = own - self._shared @ (self._shared.T @ own)
+        return rest
+
+    def _without_initial(self, columns: Array) -> Array:
+        ny = self.residuals.shape[1]
+        rest = columns.copy()
+        for part, basis in zip(
+            self.fitted.problem.shots.slices, self._initial, strict=True
+        ):
+            rows = slice(part.start * ny, part.stop * ny)
+            rest[rows] -= basis @ (basis.T @ rest[rows])
+        return rest
+
+    @cached_property
+    def residual(self) -> Array:
+        """The residual, projected, (n ny,)."""
+        return self.project(self.residuals.reshape(-1, 1))[:, 0]
+
+    @cached_property
+    def draws(self) -> Array:
+        """Surrogates of the residual, projected, of length one; (n ny, draws)."""
+        random = np.random.default_rng(SEED)
+        drawn = np.empty((*self.residuals.shape, DRAWS))
+        for part in self.fitted.problem.shots.slices:
+            drawn[part] = _surrogates(self.residuals[part], random)
+        rest = self.project(drawn.reshape(-1, DRAWS))
+        unit: Array = rest / np.maximum(np.linalg.norm(rest, axis=0), 1e-300)
+        return unit
+
+
+def _surrogates(residual: Array, random: np.random.Generator) -> Array:
+    """Return surrogates of one window, (m, ny, draws); the same phases for all outputs.
+
+    The mean keeps its size and takes a random sign.
+    """
+    n = len(residual)
+    spectrum = np.fft.rfft(residual, axis=0)
+    turn = np.exp(2j * np.pi * random.random((spectrum.shape[0], DRAWS)))
+    turn[0] = random.choice([-1.0, 1.0], DRAWS)
+    drawn: Array = np.fft.irfft(spectrum[:, :, None] * turn[:, None], n, axis=0)
+    return drawn
+
+
+def sensitivities(problem: FitProblem, theta: Array, initial: Array) -> Array:
+    """Return the scaled sensitivities of the outputs, (n, ny, nq + nx)."""
+    found = [part.jacobian for part in parts(problem, theta, initial)]
+    return np.concatenate(found)
+
+
+def orthonormal(columns: Array) -> Array:
+    """Return an orthonormal basis of what the columns span, each scaled to one."""
+    length = np.linalg.norm(columns, axis=0)
+    used = columns[:, length > 0.0] / length[length > 0.0]
+    if used.shape[1] == 0:
+        return used
+    left, size, _ = np.linalg.svd(used, full_matrices=False)
+    basis: Array = left[:, size > DEPENDENT * size[0]]
+    return basis
+
+
+def _flat(columns: Array) -> Array:
+    flat: Array = columns.reshape(-1, columns.shape[2])
+    return flat
