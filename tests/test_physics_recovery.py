@@ -64,7 +64,7 @@ CASES = [
         "wheel",
         "DirectionDependentFriction",
         "shaft",
-        {"coulomb": 0.2, "coulomb_difference": 0.05},
+        {"coulomb_forward": 0.25, "coulomb_backward": 0.15},
     ),
     Case(
         "wheel",

@@ -2,8 +2,8 @@
 
 A lag is a state z' = (x - z) / tau, made of graph elements. A delay T is the Padé form
 of orders 2 over 3, which is strictly proper, so that a jump does not come through at
-once: up to w T = 2 its phase is right within 0.001 rad and its gain within 0.4 %, up
-to w T = 3 within 0.011 rad and 3 %.
+once: up to w T = 2 its phase is right within 0.003 rad and its gain within 0.7 %, up
+to w T = 3 within 0.035 rad and 5.4 %.
 """
 
 from collections.abc import Iterator

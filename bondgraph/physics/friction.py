@@ -114,11 +114,11 @@ class DirectionDependentFriction(AbstractPhysics):
             return
         if place.has_free_bias:
             return
-        some = 0.3 * place.effort
-        c = place.strength("coulomb", place.unit(E), (0.0, some), low=0.0)
-        half = place.strength("coulomb_difference", place.unit(E))
+        sizes = (0.0, 0.3 * place.effort)
+        ahead = place.strength("coulomb_forward", place.unit(E), sizes, low=0.0)
+        back = place.strength("coulomb_backward", place.unit(E), sizes, low=0.0)
         sign, width = direction(place)
-        law = c.symbol * sign + half.symbol * sympy.Abs(sign)
+        law = ahead.symbol * sympy.Max(sign, 0) + back.symbol * sympy.Min(sign, 0)
         element = Resistance(place.name_of(self.word), law=law)
         words = (
             f"{place.a(E)} against the motion, larger in one direction "
@@ -126,9 +126,9 @@ class DirectionDependentFriction(AbstractPhysics):
         )
         yield self.hypothesis(
             place,
-            place.insert(element, c, half, width),
+            place.insert(element, ahead, back, width),
             law,
-            (c, half, width),
+            (ahead, back, width),
             words,
             extends=("coulomb_friction",),
         )
