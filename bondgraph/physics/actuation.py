@@ -31,7 +31,7 @@ class Saturation(AbstractPhysics):
     """An input that does not pass a limit: supply voltage, current limit, valve."""
 
     word = "saturation"
-    reference = "actuator saturation: Åström and Hägglund 2006, chapter 3"
+    reference = "actuator saturation: Åström and Hägglund 2006"
     passivity = Passivity.SIGNAL
     signature = "large commands do no more than smaller ones"
 
@@ -53,7 +53,7 @@ class DeadZone(AbstractPhysics):
     """An input that does nothing while it is small: overlap of a valve, threshold."""
 
     word = "dead_zone"
-    reference = "valve overlap: Merritt 1967, chapter 5"
+    reference = "valve overlap: Merritt 1967"
     passivity = Passivity.SIGNAL
     signature = "small commands do nothing; taken for Coulomb friction"
 

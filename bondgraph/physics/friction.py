@@ -89,7 +89,7 @@ class VoltageDrop(CoulombFriction):
     """A voltage that falls off whatever the current is: brushes, diodes, contacts."""
 
     word = "voltage_drop"
-    reference = "brush contact drop: Hughes, Electric Motors and Drives, chapter 3"
+    reference = "brush contact drop of commutator machines; forward voltage of a diode"
     signature = "no current below a voltage; taken for friction of what the motor turns"
     domains = frozenset({ELECTRICAL})
     stem = "drop"

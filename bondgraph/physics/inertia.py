@@ -53,7 +53,7 @@ class SaturatingInertia(AbstractPhysics):
     """An inductance that falls with its current: the iron saturates."""
 
     word = "saturating_inertia"
-    reference = "Fröhlich 1881; i = psi / L + s psi^3"
+    reference = "first odd term of a saturation curve, i = psi / L + s psi^3"
     passivity = Passivity.STORING
     signature = "currents that rise ever faster under a voltage; odd harmonics"
     domains = ELECTRIC

@@ -173,7 +173,7 @@ class Cogging(AbstractPhysics):
     """An effort that repeats along the way: poles, teeth, an eccentric wheel."""
 
     word = "cogging"
-    reference = "detent torque of permanent magnet machines: Hanselman 2006, chapter 9"
+    reference = "detent torque of permanent magnet machines: Hanselman 2006"
     passivity = Passivity.STORING
     signature = "ripple fixed to the position, whose frequency rises with speed"
     turns = (2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 14, 15, 16, 18, 20, 21, 24, 28, 30)

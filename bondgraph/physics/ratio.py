@@ -17,7 +17,7 @@ class Eccentricity(AbstractPhysics):
     """A ratio that varies once per turn: an eccentric wheel, a universal joint."""
 
     word = "eccentricity"
-    reference = "runout of gears and pulleys: DIN 3960"
+    reference = "runout of gears and pulleys; the first harmonic of a joint"
     passivity = Passivity.STORING
     signature = "ripple of speed and load once per turn; taken for gravity or cogging"
 

@@ -54,7 +54,7 @@ class TemperatureDependentResistance(AbstractPhysics):
     """
 
     word = "temperature_dependent_resistance"
-    reference = "Ohm's law with a temperature coefficient: IEC 60034-1; warm-up"
+    reference = "Ohm's law with a temperature coefficient; first-order warm-up"
     passivity = Passivity.DISSIPATIVE
     signature = "a resistance that drifts over minutes of use; taken for wear or bias"
 

@@ -1,0 +1,79 @@
+"""The page on the library says of every entry what the entry says of itself."""
+
+import inspect
+from itertools import product
+from pathlib import Path
+
+from physics_machines import MACHINES
+
+from bondgraph.physics.hypothesis import Hypothesis, Passivity
+from bondgraph.physics.library import LIBRARY
+from bondgraph.physics.places.base import Place
+from bondgraph.physics.places.everywhere import all_places
+from bondgraph.physics.places.scales import Scales
+
+PAGE = Path(__file__).parent.parent / "docs" / "physics_library.md"
+POWER = {
+    Passivity.DISSIPATIVE: "takes",
+    Passivity.STORING: "stores",
+    Passivity.SOURCE: "may give",
+    Passivity.SIGNAL: "none",
+}
+
+
+def table() -> str:
+    """Return one row per entry: run this file to print it."""
+    found: dict[str, list[tuple[Place, Hypothesis]]] = {}
+    for graph in MACHINES.values():
+        for place, physics in product(all_places(graph, Scales()), LIBRARY):
+            for hypothesis in physics.propose(place):
+                row = found.setdefault(type(physics).__name__, [])
+                row.append((place, hypothesis))
+    rows = [
+        "| Word | What | At | Parameters | Power | Looks like; taken for | After |",
+        "| --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    for physics in LIBRARY:
+        proposed = found[type(physics).__name__]
+        doc = inspect.getdoc(type(physics)) or ""
+        at = dict.fromkeys(_kind(place) for place, _ in proposed)
+        place, hypothesis = proposed[0]
+        cells = (
+            f"`{physics.word}`",
+            doc.splitlines()[0].rstrip("."),
+            ", ".join(at),
+            "; ".join(_parameters(place, hypothesis)),
+            POWER[physics.passivity],
+            physics.signature,
+            physics.reference,
+        )
+        rows.append(f"| {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
+def _kind(place: Place) -> str:
+    name = type(place).__name__.removesuffix("Place")
+    return {"OneJunction": "1", "ZeroJunction": "0"}.get(name, name.lower())
+
+
+def _parameters(place: Place, hypothesis: Hypothesis) -> list[str]:
+    """Return ``name >= bound [unit]`` of the fitted parameters of one hypothesis."""
+    found = []
+    for parameter in hypothesis.edit.parameters:
+        if parameter.exact:
+            continue
+        stem = parameter.name.removesuffix(f"_{place.name}")
+        low, _ = parameter.bounds
+        bound = " ≥ 0" if low == 0.0 else " > 0" if low > 0.0 else ""
+        unit = parameter.unit.replace("(", "").replace(")", "")
+        unit = parameter.unit if "/" in parameter.unit else unit
+        found.append(f"{stem}{bound} [{unit}]".replace("_", "\\_"))
+    return found
+
+
+def test_the_page_has_the_table_of_the_library():
+    assert table() in PAGE.read_text(encoding="utf-8")
+
+
+if __name__ == "__main__":
+    print(table())
