@@ -1,0 +1,1 @@
+"""Adequate or not: whether what a fit leaves is noise, or follows the machine."""
