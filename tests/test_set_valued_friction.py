@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 from bondgraph import TF, BondGraph, C, I, R, Sdirk2, Sdirk3, Se, Sf, effort, f, flow
 from bondgraph.equations.derivation import derive
 from bondgraph.numeric.model import compile_model
+from bondgraph.simulation.engines import Interpreted, Native
 from bondgraph.simulation.shooting import Shots, shoot
 from bondgraph.simulation.solvers import Hold
 
@@ -343,3 +344,36 @@ def test_sensitivities_have_the_slope_of_fine_solutions_across_stops_and_turns()
             assert np.median(np.abs(error)) < 2e-3 * size, (name, j)
             # Next to an event the two are on different sides of it.
             assert np.quantile(np.abs(error), 0.95) < 1e-2 * size, (name, j)
+
+
+@pytest.mark.parametrize("make", [oscillator, two_blocks, block])
+def test_native_code_and_tape_stick_and_slip_alike(make):
+    g, values = make()
+    model = compile_model(derive(g.finish()))
+    time = np.linspace(0, 4, 2001)
+    push = 5.0 * drive(time)
+    shots = Shots(time, push[:, None], np.zeros((2001, 1)), (0, 2001))
+    native, tape = (
+        shoot(
+            model,
+            shots,
+            parameters=np.array([values[name] for name in model.parameter_names]),
+            initial=np.zeros((1, model.n_states)),
+            directions=np.arange(len(model.parameter_names)),
+            solver=Sdirk2(),
+            hold=Hold.FIRST,
+            engine=engine,
+        )
+        for engine in (Native(), Interpreted())
+    )
+    assert native.completed.all()
+    assert np.array_equal(native.modes, tape.modes)
+    sticks = native.modes == 0
+    assert sticks.any()
+    assert not sticks.all()
+    for one, other in (
+        (native.outputs, tape.outputs),
+        (native.sensitivities, tape.sensitivities),
+    ):
+        size = np.abs(other).max(axis=0)
+        assert (np.abs(one - other) <= 1e-7 * size + 1e-9).all()

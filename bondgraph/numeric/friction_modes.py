@@ -14,7 +14,7 @@ changes the λ no more than it must.
 """
 
 from bondgraph.numeric.linear_solve import substitute
-from bondgraph.numeric.machine import lean
+from bondgraph.numeric.machine import inlined, lean
 from bondgraph.numeric.stage_arrays import IDLE, STICKS, UNKNOWN, System, Work
 
 SLACK = 1e-9
@@ -22,7 +22,7 @@ SLACK = 1e-9
 SHIFT = 1e-8
 
 
-@lean
+@inlined
 def several_stick(system: System, work: Work) -> bool:
     """Return whether more than one friction sticks."""
     stuck = 0
@@ -32,7 +32,7 @@ def several_stick(system: System, work: Work) -> bool:
     return stuck > 1
 
 
-@lean
+@inlined
 def begin(system: System, work: Work) -> bool:
     """Let frictions of unknown mode slip the way their argument points."""
     begun = False
@@ -56,7 +56,7 @@ def release(system: System, work: Work) -> bool:
     return begin(system, work) if released else False
 
 
-@lean
+@inlined
 def put_friction_residual(system: System, work: Work, h: float) -> None:
     """Write the residuals of the frictions."""
     for k in range(system.nd):
@@ -69,7 +69,7 @@ def put_friction_residual(system: System, work: Work, h: float) -> None:
             work.rhs[row, 0] = work.w[row] - given
 
 
-@lean
+@inlined
 def put_friction_rows(system: System, work: Work, h: float) -> None:
     """Write the frictions' rows of the Jacobian."""
     nw = system.nx + system.nz
@@ -133,7 +133,7 @@ def _next_mode(system: System, work: Work, k: int, h: float) -> int:
     return 1 if force > 0.0 else -1
 
 
-@lean
+@inlined
 def predict_arguments(system: System, work: Work, damping: float) -> None:
     """Write the arguments after a Newton step, by the tangents before it.
 

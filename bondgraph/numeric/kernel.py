@@ -9,7 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bondgraph.numeric.machine import Array, Integers, compiled, lean, run
+from bondgraph.numeric.machine import Array, Integers, compiled, inlined, lean, run
+from bondgraph.numeric.native_friction import (
+    Fast,
+    hand_over,
+    make_fast_work,
+    try_read,
+    try_step,
+)
 from bondgraph.numeric.stage import solve_stage, stage_sensitivity
 from bondgraph.numeric.stage_arrays import System, Work, make_work
 from bondgraph.numeric.stepping import (
@@ -70,7 +77,7 @@ def _read_outputs(
     return True
 
 
-@lean
+@inlined
 def _note_modes(
     work: Work, steps: Steps, row: int, now: float, results: Results
 ) -> None:
@@ -93,8 +100,9 @@ def _put(v: Array, at: int, values: Array) -> None:
 
 @compiled
 def integrate(
-    system: System, method: Method, constants: Array, output_constants: Array,
-    parameters: Array, directions: Integers, time: Array, u: Array, x0: Array,
+    system: System, fast: Fast, method: Method, constants: Array,
+    output_constants: Array, parameters: Array, directions: Integers, time: Array,
+    u: Array, x0: Array,
     results: Results,
 ) -> tuple[int, int, int]:  # fmt: skip
     """Simulate one window; return how many samples were completed, and what failed.
@@ -106,6 +114,7 @@ def integrate(
     n = nq + nx if len(results.sensitivities) else 0
     work = make_work(system, n)
     steps = make_steps(system, len(method.c), n)
+    there = make_fast_work(fast, parameters, n)
     at = 2 * nx + system.nz + 2 * system.nu
     _put(work.v, system.first - len(constants), constants)
     _put(work.vo, system.first_output - len(output_constants), output_constants)
@@ -130,23 +139,44 @@ def integrate(
         drive = Drive(u[row], slope, time[row])
         set_inputs(system, work.v, drive, 0.0)
         set_inputs(system, work.vo, drive, 0.0)
-        unjudged = system.nd > 0 and row == 0 and not system.instantaneous
+        if fast.there:
+            set_inputs(system, there.stage.v, drive, 0.0)
+        unjudged = system.nd > 0 and row == 0
         if unjudged and not solve_stage(system, work, x, glance):
             return row, work.trouble[0], work.trouble[1]
-        if not _read_outputs(system, work, x, dx, glance, row, results, n):
-            return row, work.trouble[0], work.trouble[1]
+        read = False
+        if fast.there and not unjudged:
+            read = try_read(
+                system, work, fast, there, x, dx, glance, directions, n,
+                results.outputs, results.sensitivities, row,
+            )  # fmt: skip
+            for i in range(nx):
+                results.states[row, i] = x[i]
+        if not read:
+            if not _read_outputs(system, work, x, dx, glance, row, results, n):
+                return row, work.trouble[0], work.trouble[1]
+            if fast.there:
+                hand_over(system, work, there.stage)
         _note_modes(work, steps, row, time[row], results)
         h = span / method.substeps
         for step in range(method.substeps if row < following and nx > 0 else 0):
+            if fast.there and try_step(
+                system, work, fast, there.stage, method, steps, x, dx, drive,
+                step * h, h, directions, n,
+            ):  # fmt: skip
+                continue
             if not advance(system, work, method, steps, x, dx, drive, step * h, h, n):
                 return row, work.trouble[0], work.trouble[1]
+            if fast.there:
+                hand_over(system, work, there.stage)
     return len(time), 0, 0
 
 
 @compiled
 def integrate_windows(
-    system: System, method: Method, constants: Array, output_constants: Array,
-    parameters: Array, directions: Integers, time: Array, u: Array, x0: Array,
+    system: System, fast: Fast, method: Method, constants: Array,
+    output_constants: Array, parameters: Array, directions: Integers, time: Array,
+    u: Array, x0: Array,
     results: Results, edges: Integers, first: int, last: int, done: Integers,
     trouble: Integers,
 ) -> None:  # fmt: skip
@@ -162,7 +192,7 @@ def integrate_windows(
             results.since[a:b],
         )
         done[window], trouble[window, 0], trouble[window, 1] = integrate(
-            system, method, constants, output_constants, parameters, directions,
+            system, fast, method, constants, output_constants, parameters, directions,
             time[a:b], u[a:b], x0[window], part,
         )  # fmt: skip
 

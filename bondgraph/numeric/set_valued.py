@@ -10,7 +10,8 @@ which is the projection ``λ = clip(λ + ρ g, -1, 1)`` solved by an active set 
 Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991). Laws that read the same g share λ.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import sympy
@@ -22,7 +23,10 @@ from bondgraph.structure.signals import t as time_symbol
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetValuedForm:
-    """A model in the variables x, ẋ, (z, λ), u, u̇, p, t.
+    """A model in the variables x, ẋ, (z, λ), u, u̇, (p, σ, m), t.
+
+    Of each friction, σ is 1 where it sticks and 0 where it slips, m is λ where it
+    slips; only `held` reads them.
 
     Parameters
     ----------
@@ -30,6 +34,11 @@ class SetValuedForm:
         For each λ the elements whose dry friction it is, in words.
     dynamics
         Tape whose results are the rates, the residuals and the arguments g.
+    held
+        Tape whose results are the rates, the residuals and ``σ g + (1 - σ) (λ - m)``:
+        an ordinary model, as long as the modes last.
+    arguments
+        Tape whose results are the g.
     output
         Tape whose results are the outputs.
     linear
@@ -40,6 +49,8 @@ class SetValuedForm:
 
     places: tuple[str, ...]
     dynamics: Tape
+    held: Tape
+    arguments: Tape
     output: Tape
     linear: bool
     instantaneous: bool
@@ -67,6 +78,7 @@ def set_valued_form(equations: StateEquations) -> SetValuedForm | None:
     def freed(symbol: sympy.Symbol, expression: sympy.Expr) -> sympy.Expr:
         return expression.xreplace({s: force[s] for s in dry.get(symbol, ())})
 
+    modes = [(sympy.Dummy("stick"), sympy.Dummy("slip")) for _ in force]
     states = [s.symbol for s in equations.states]
     rates = [s.rate for s in equations.states]
     unknowns = [*equations.unknowns, *force.values()]
@@ -77,6 +89,7 @@ def set_valued_form(equations: StateEquations) -> SetValuedForm | None:
         *equations.inputs,
         *equations.input_rates,
         *equations.parameters,
+        *(symbol for pair in modes for symbol in pair),
         time_symbol,
     ]
     residuals = zip(equations.unknowns, equations.residuals, strict=True)
@@ -87,17 +100,30 @@ def set_valued_form(equations: StateEquations) -> SetValuedForm | None:
             *equations.rates,
             *(freed(symbol, residual) for symbol, residual in residuals),
             *(sign.args[0] for sign in force),
+            *(
+                stick * sign.args[0] + (1 - stick) * (value - slip)
+                for (sign, value), (stick, slip) in zip(
+                    force.items(), modes, strict=True
+                )
+            ),
             *(output.expression for output in equations.outputs),
         ],
         lambda _: False,
     )
-    n, everything = len(states) + len(unknowns), len(whole.outputs)
+    n, nd = len(states) + len(unknowns), len(force)
     solved, instant = {*states, *rates, *unknowns}, {*rates, *unknowns}
-    dynamics = part(whole, 0, n, [v in solved for v in variables])
-    output = part(whole, n, everything, [v in instant for v in variables])
+
+    def some(results: Sequence[int], active: set[sympy.Symbol]) -> Tape:
+        chosen = replace(whole, outputs=whole.outputs[list(results)])
+        return part(chosen, 0, len(results), [v in active for v in variables])
+
+    dynamics = some(range(n), solved)
+    output = some(range(n + nd, len(whole.outputs)), instant)
     return SetValuedForm(
         places=tuple(" and ".join(dict.fromkeys(places[s])) for s in force),
         dynamics=dynamics,
+        held=some([*range(n - nd), *range(n, n + nd)], solved),
+        arguments=some(range(n - nd, n), solved),
         output=output,
         linear=bool(np.all(dynamics.degree < 2)),
         instantaneous=bool(np.any(output.degree > 0)),

@@ -21,7 +21,7 @@ from bondgraph.numeric.friction_modes import (
     switch_modes,
 )
 from bondgraph.numeric.linear_solve import factor, substitute
-from bondgraph.numeric.machine import Array, lean, run
+from bondgraph.numeric.machine import Array, inlined, lean, run
 from bondgraph.numeric.stage_arrays import STICKS, System, Work
 
 ITERATIONS = 40
@@ -34,7 +34,7 @@ PATIENCE = 12  # changes of friction modes before only one changes at a time
 SINGULAR, NOT_FINITE, NO_END = 1, 2, 3  # what `Work.trouble` says
 
 
-@lean
+@inlined
 def _place(system: System, work: Work, base: Array, h: float) -> None:
     """Write x = base + h ẋ, ẋ and z into the tape's variables."""
     for i in range(system.nx):
@@ -43,7 +43,7 @@ def _place(system: System, work: Work, base: Array, h: float) -> None:
         work.v[system.nx + i] = work.w[i]
 
 
-@lean
+@inlined
 def _residual(system: System, work: Work, h: float) -> None:
     for i in range(system.nx):
         work.rhs[i, 0] = work.w[i] - work.v[system.rate[i]]
@@ -52,7 +52,7 @@ def _residual(system: System, work: Work, h: float) -> None:
     put_friction_residual(system, work, h)
 
 
-@lean
+@inlined
 def _factor_jacobian(system: System, work: Work, h: float) -> bool:
     nx, nw = system.nx, system.nx + system.nz
     for j in range(nw):
@@ -66,7 +66,7 @@ def _factor_jacobian(system: System, work: Work, h: float) -> bool:
     return factor(work.lu, nw, work.pivot)
 
 
-@lean
+@inlined
 def _size(work: Work, nw: int) -> float:
     """Return the largest relative change in ``rhs``; NaN counts as infinite."""
     size = 0.0
@@ -77,7 +77,7 @@ def _size(work: Work, nw: int) -> float:
     return size
 
 
-@lean
+@inlined
 def _seed(system: System, work: Work, h: float) -> None:
     """Set the tangents of the variables along w."""
     nx, nw = system.nx, system.nx + system.nz

@@ -13,13 +13,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bondgraph.numeric.machine import Array, Integers, compiled, lean, run
+from bondgraph.numeric.machine import Array, Integers, compiled, inlined, lean, run
 from bondgraph.numeric.stage import solve_stage, stage_sensitivity
 from bondgraph.numeric.stage_arrays import STICKS, System, Work
 
 EVENTS = 8  # splits of one step; the rest is taken as it is
 SEARCH = 40
-CLOSE = 1e-10  # of a step, to which an event is located
+CLOSE = 1e-10  # of a step, to which an event is located,
+NARROW = 1e-12  # or of the argument's size in it, within which it vanishes
 NEAR = 1e-5  # of the way to an event, to see how fast it comes
 GLANCE = 1e-6  # of a step, the time over which friction at one instant is judged
 
@@ -38,7 +39,7 @@ class Steps(NamedTuple):
 
     Stage base point, slopes and their tangents; states, tangents, unknowns and modes at
     the start of a step; ``since``: when each friction took its mode; ``moved``:
-    by how much an event comes later.
+    by how much an event comes later; ``argument``: those of the frictions before.
     """
 
     base: Array
@@ -51,6 +52,7 @@ class Steps(NamedTuple):
     mode: Integers
     since: Array
     moved: Array
+    argument: Array
 
 
 class Drive(NamedTuple):
@@ -76,10 +78,11 @@ def make_steps(system: System, stages: int, n: int) -> Steps:
         np.zeros(system.nd, dtype=np.int64),
         np.full(system.nd, -math.inf),
         np.zeros(columns),
+        np.zeros(system.nd),
     )
 
 
-@lean
+@inlined
 def set_inputs(system: System, v: Array, drive: Drive, elapsed: float) -> None:
     """Write u, u̇ and t at `elapsed` seconds after a sample."""
     at = 2 * system.nx + system.nz
@@ -89,8 +92,8 @@ def set_inputs(system: System, v: Array, drive: Drive, elapsed: float) -> None:
     v[at + 2 * system.nu + system.n_parameters] = drive.time + elapsed
 
 
-@lean
-def _stage_base(
+@inlined
+def stage_base(
     method: Method, steps: Steps, x: Array, dx: Array, stage: int, h: float, n: int
 ) -> None:
     """Write x of a stage without its own slope, and its tangents."""
@@ -104,8 +107,8 @@ def _stage_base(
                 steps.dbase[i, m] += h * method.a[stage, j] * steps.dk[j, i, m]
 
 
-@lean
-def _sum_stages(
+@inlined
+def sum_stages(
     method: Method, steps: Steps, x: Array, dx: Array, h: float, n: int
 ) -> bool:
     """Add the stages' slopes to x; return whether it stays finite."""
@@ -132,7 +135,7 @@ def _step(
     """
     for stage in range(len(method.c)):
         set_inputs(system, work.v, drive, elapsed + method.c[stage] * h)
-        _stage_base(method, steps, x, dx, stage, h, n)
+        stage_base(method, steps, x, dx, stage, h, n)
         size = h * method.a[stage, stage]
         if not solve_stage(system, work, steps.base, size):
             return False
@@ -144,10 +147,10 @@ def _step(
                 steps.dk[stage, i, m] = work.sensitivity[i, m]
         if not work.held[0] and _stopped(system, work, steps):
             return True
-    return _sum_stages(method, steps, x, dx, h, n)
+    return sum_stages(method, steps, x, dx, h, n)
 
 
-@lean
+@inlined
 def _stopped(system: System, work: Work, steps: Steps) -> bool:
     """Return whether a friction that slipped when the step began no longer does."""
     for k in range(system.nd):
@@ -183,7 +186,7 @@ def _copy(
             steps.mode[k] = work.mode[k]
 
 
-@lean
+@inlined
 def _margin(system: System, work: Work, steps: Steps) -> tuple[float, int]:
     """Return how far the slipping friction next to its stop is from it, and which."""
     least, which = math.inf, 0
@@ -233,7 +236,7 @@ def _locate(
                 return 1.0, which
             if low <= 0.0:
                 return 0.0, which
-        if abs(margin) <= 1e-13 * scale or last - first < CLOSE:
+        if abs(margin) <= NARROW * scale or last - first < CLOSE:
             break
         if margin < 0.0:
             last, high = share, margin

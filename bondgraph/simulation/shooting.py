@@ -1,18 +1,23 @@
 """Many windows of recordings simulated at once, each from its own initial state."""
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.numeric.model import NumericModel
+from bondgraph.numeric.set_valued import SetValuedForm
 from bondgraph.simulation.engines import PAYING, Engine
 from bondgraph.simulation.native_shooting import Windows, run_native
 from bondgraph.simulation.solvers import Hold, RungeKutta4, Solver
 from bondgraph.simulation.trouble import CODES, RunStatus, Trouble, unknown_names
+
+if TYPE_CHECKING:
+    from bondgraph.numeric.native_friction import Fast
 
 Array = NDArray[np.float64]
 THREADS = 2
@@ -168,13 +173,14 @@ def shoot(
         nz=model.n_unknowns + dry,
         nd=dry,
         nu=len(model.input_names),
-        n_parameters=len(model.parameter_names),
+        n_parameters=len(model.parameter_names) + 2 * dry,
         linear=form.linear,
         instantaneous=form.instantaneous,
     )
     assert not isinstance(solver, RungeKutta4)  # answered above
     method = Method(*solver.tableau, solver.substeps, hold is Hold.ZERO)
-    values = np.ascontiguousarray(parameters, dtype=np.float64)
+    values = np.concatenate([parameters, np.zeros(2 * dry)])
+    fast, code = _fast(model, engine, n, sensitive=nd > 0)
 
     edges = np.array(shots.edges, dtype=np.int64)
     done = np.zeros(shots.n_windows, dtype=np.int64)
@@ -185,7 +191,7 @@ def shoot(
 
     def some(first: int, last: int) -> None:
         integrate_windows(
-            system, method, dynamics.constants, output.constants, values, wanted,
+            system, fast, method, dynamics.constants, output.constants, values, wanted,
             shots.time, shots.inputs, initial, results, edges, first, last, done,
             trouble,
         )  # fmt: skip
@@ -193,11 +199,52 @@ def shoot(
     share = np.linspace(0, shots.n_windows, THREADS + 1).astype(int).tolist()
     with ThreadPoolExecutor(THREADS) as pool:
         list(pool.map(some, share[:-1], share[1:]))
+    del code  # it was needed until here
     troubles = _troubles(model, shots, outputs, done, trouble)
     fine = np.array([found is None for found in troubles], dtype=np.bool_)
     if not dry:
         return Shooting(outputs, states, sensitivities, fine, troubles)
     return Shooting(outputs, states, sensitivities, fine, troubles, modes, since)
+
+
+def _fast(
+    model: NumericModel, engine: Engine, samples: int, *, sensitive: bool
+) -> tuple["Fast", object]:
+    """Return native code of a model with held modes, and what keeps it alive."""
+    from bondgraph.numeric.native import (  # noqa: PLC0415  (LLVM)
+        compiled_text,
+        module_text,
+        values_of,
+    )
+    from bondgraph.numeric.native_friction import Fast  # noqa: PLC0415
+    from bondgraph.numeric.native_model import (  # noqa: PLC0415
+        NativeSystem,
+        native_model,
+    )
+
+    form = model.set_valued
+    held = None if form is None else _held(model, form)
+    if form is None or held is None or not engine.compiles(held, samples):
+        return Fast(NativeSystem(*(0,) * 13, False, False), 0, False), None
+    native = native_model(held, sensitive=sensitive)
+    arguments = compiled_text(module_text([values_of(form.arguments, "arguments")]))
+    fast = Fast(native.system, arguments["arguments"], True)
+    return fast, (native, arguments)
+
+
+def _held(model: NumericModel, form: SetValuedForm) -> NumericModel:
+    """Return the ordinary model that one with friction is while its modes last."""
+    dry = len(form.places)
+    return replace(
+        model,
+        dynamics=form.held,
+        output=form.output,
+        n_unknowns=model.n_unknowns + dry,
+        parameter_names=(*model.parameter_names, *("",) * (2 * dry)),
+        linear=form.linear,
+        instantaneous=form.instantaneous,
+        set_valued=None,
+    )
 
 
 def _troubles(
