@@ -217,6 +217,8 @@ def _blame(first: Round) -> dict[str, float]:
     blame = {junction.name: 0.0 for junction in first.base.graph.junctions}
     for promised in first.promised:
         place = promised.hypothesis.place
+        if place not in first.base.graph.by_name:
+            continue  # An input channel or a sensor is no place of the picture.
         share = min(max(promised.reduction, 0.0), 1.0)
         blame[place] = max(blame.get(place, 0.0), share)
     return blame

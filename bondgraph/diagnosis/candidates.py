@@ -3,15 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
 from bondgraph.physics.places.everywhere import all_places
 
-Array = NDArray[np.float64]
+CURVE = "unknown_relation"
+"""The word for a relation without a name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,33 +45,15 @@ class Rejected:
 
 
 @dataclass(frozen=True, slots=True)
-class Chance:
-    """What the best of all hypotheses seems to explain where nothing is missing.
-
-    Parameters
-    ----------
-    shares
-        Of each surrogate of the residual, by the best hypothesis for it.
-    factor
-        For the hypotheses that took no part in this.
-    """
-
-    shares: Array
-    factor: float = 1.0
-
-    def p_value(self, reduction: float) -> float:
-        """Return how often chance gives a reduction at least as large."""
-        above = float((self.shares >= reduction).sum())
-        return min(self.factor * (1.0 + above) / (1.0 + len(self.shares)), 1.0)
-
-
-@dataclass(frozen=True, slots=True)
 class Screened:
-    """Hypotheses with their promises, best first, and those that cannot be tried."""
+    """Hypotheses with their promises, best first, and those that cannot be tried.
+
+    ``independent`` is the number of independent hypotheses that all of them amount to.
+    """
 
     promised: tuple[Promised, ...]
     rejected: tuple[Rejected, ...]
-    chance: Chance
+    independent: float
 
 
 def propose_all(

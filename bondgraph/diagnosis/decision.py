@@ -8,13 +8,12 @@ the simplest wins; the others stay on record as alternatives.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bondgraph.diagnosis.candidates import Candidate, Chance
+from bondgraph.diagnosis.candidates import CURVE, Candidate
 from bondgraph.diagnosis.confidence import winning_shares
 from bondgraph.diagnosis.evidence import Gain, LeftOutErrors, compare
 from bondgraph.diagnosis.records import Support
 from bondgraph.physics.library import LIBRARY
 
-CURVE = "unknown_relation"
 ALIKE = 0.02
 NAMED_SHARE = 0.8
 """A named law must give this share of what a free curve gives, or the curve is told."""
@@ -85,46 +84,18 @@ class Judged:
         return self.candidate.hypothesis.place
 
 
-@dataclass(frozen=True, slots=True)
-class Others:
-    """What a candidate is the best of.
-
-    Parameters
-    ----------
-    base_cost
-        Training error of the model without any.
-    """
-
-    tried: int
-    chance: Chance
-    base_cost: float
-
-    def reduction(self, candidate: Candidate) -> float:
-        """Return the share of the training error that a candidate takes away."""
-        return 1.0 - candidate.fitted.optimum.cost / self.base_cost
-
-
 def judge(
     candidate: Candidate,
     base: LeftOutErrors,
     errors: LeftOutErrors,
-    others: Others,
+    tried: float,
     rule: Rule,
 ) -> Judged:
-    """Return what the left-out chunks say of one candidate among others.
-
-    Two tests share the level. One knows the left-out chunks only, and counts every
-    hypothesis tried as if each were a chance of its own. The other asks how often
-    chance gives so large a reduction, and the left-out chunks only have to confirm it.
-    """
+    """Return what the left-out chunks say of one candidate among `tried`."""
     gain = compare(base, errors)
-    by_chunks = gain.p_value * others.tried
-    confirmed = gain.value > 2.0 * gain.std
-    by_chance = others.chance.p_value(others.reduction(candidate))
-    corrected = 2.0 * min(by_chunks, by_chance if confirmed else 1.0)
+    corrected = min(gain.p_value * max(tried, 1.0), 1.0)
     enough = gain.value >= rule.materiality
     sure = corrected <= rule.false_alarm_probability
-    tried = others.tried
     share = f"{100 * gain.value:.1f} ± {100 * gain.std:.1f} %"
     if enough and sure:
         support, reason = Support.SUPPORTED, f"reduces the left-out error by {share}"
@@ -133,7 +104,7 @@ def judge(
         reason = f"changes the left-out error by {share}, too little to matter"
     elif enough:
         support = Support.UNDECIDED
-        reason = f"{share} is not significant among {tried} candidates"
+        reason = f"{share} is not significant among {tried:.0f} candidates"
     else:
         support = Support.UNDECIDED
         reason = f"{share} could be nothing"
@@ -224,22 +195,13 @@ def _extends(wider: Judged, narrower: Judged) -> bool:
 def probability(
     chosen: Judged, judged: Sequence[Judged], base: LeftOutErrors, rule: Rule
 ) -> float:
-    """Return the share of resamples in which the chosen physics predicts best.
+    """Return the share of resamples in which the chosen physics is the one to believe.
 
     With it count the same physics at places that are not told from it, and laws that
-    contain it here. A law with more parameters, a curve without a name most of all, and
-    any law against none, wins only by what it must be better by to be chosen.
+    contain it here. The others have to beat it as they have to beat it to be chosen: a
+    law with more parameters clearly, a curve without a name by far.
     """
-    fewest = min(j.candidate.complexity for j in judged)
-    handicaps = [
-        1.0 + rule.materiality / 2 * (j.candidate.complexity > fewest) for j in judged
-    ]
-    handicaps = [
-        max(
-            handicap, 1.0 / NAMED_SHARE if j.physics == CURVE != chosen.physics else 1.0
-        )
-        for handicap, j in zip(handicaps, judged, strict=True)
-    ]
+    handicaps = [_handicap(j, chosen, rule) for j in judged]
     shares = winning_shares(
         [base, *(j.errors for j in judged)], [1.0 - rule.materiality, *handicaps]
     )
@@ -252,6 +214,16 @@ def probability(
             or (j.physics == chosen.physics and _near(j, chosen, rule))
         )
     )
+
+
+def _handicap(judged: Judged, chosen: Judged, rule: Rule) -> float:
+    """Return the factor on a rival's error with which it competes."""
+    if judged.physics == CURVE != chosen.physics:
+        return 1.0 / NAMED_SHARE
+    if judged.candidate.complexity <= chosen.candidate.complexity:
+        return 1.0
+    difference = compare(chosen.errors, judged.errors)
+    return 1.0 + max(2.0 * difference.std, rule.materiality / 2)
 
 
 def _near(other: Judged, chosen: Judged, rule: Rule) -> bool:

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from bondgraph.diagnosis.bench import Bench
-from bondgraph.diagnosis.candidates import Candidate, Chance
+from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.decision import (
     Judged,
-    Others,
     Rule,
     best_supported,
     judge,
@@ -32,16 +31,14 @@ class Verdicts:
 
 
 def judge_all(
-    bench: Bench, worth: Sequence[Candidate], tried: int, chance: Chance, rule: Rule
+    bench: Bench, worth: Sequence[Candidate], tried: float, rule: Rule
 ) -> Verdicts:
     """Judge candidates on left-out data; twins share their errors.
 
     Parameters
     ----------
     tried
-        How many hypotheses these are the best of.
-    chance
-        What the best of them seems to explain by chance.
+        How many independent hypotheses these are the best of.
     """
     if not worth:
         return Verdicts()
@@ -63,9 +60,8 @@ def judge_all(
         i: LeftOutErrors(np.array(result["chunks"]))
         for i, result in zip(kinds, results, strict=True)
     }
-    others = Others(tried, chance, bench.base.optimum.cost)
     judged = tuple(
-        judge(candidate, before, errors[i], others, rule)
+        judge(candidate, before, errors[i], tried, rule)
         for i, candidate in zip(first, worth, strict=True)
     )
     chosen = best_supported(judged, rule)

@@ -9,11 +9,14 @@ hypotheses goes on to the next, dearer stage.
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bondgraph.diagnosis.bench import Bench
-from bondgraph.diagnosis.candidates import Chance, Promised, Rejected, Screened
+from bondgraph.diagnosis.candidates import Promised, Rejected, Screened
 from bondgraph.diagnosis.trying import Trial, promise
 from bondgraph.physics.hypothesis import Hypothesis
+
+Array = NDArray[np.float64]
 
 
 def screen(bench: Bench, hypotheses: Sequence[Hypothesis]) -> Screened:
@@ -21,16 +24,36 @@ def screen(bench: Bench, hypotheses: Sequence[Hypothesis]) -> Screened:
     trials = [Trial(hypothesis) for hypothesis in hypotheses]
     results = bench.screen(promise, trials, "screening")
     promised, rejected = [], []
-    chance = [r["by_chance"] for r in results if "by_chance" in r]
+    chance = [result["by_chance"] for result in results if "by_chance" in result]
     for hypothesis, result in zip(hypotheses, results, strict=True):
         if "refused" in result:
             rejected.append(Rejected(hypothesis, result["refused"]))
         else:
             promised.append(Promised(hypothesis, result["promised"]))
     promised.sort(key=lambda one: -one.reduction)
-    highest = np.max(chance, axis=0) if chance else np.ones(1)
+    others = len(promised) - len(chance)
     return Screened(
-        tuple(promised),
-        tuple(rejected),
-        Chance(highest, len(promised) / max(len(chance), 1)),
+        tuple(promised), tuple(rejected), effective_number(np.array(chance)) + others
     )
+
+
+def effective_number(chance: Array) -> float:
+    """Return to how many independent hypotheses those tried amount.
+
+    Many say nearly the same. Each counts by how rarely it explains so much of a
+    surrogate; the best of M independent ones would have a median p-value of
+    1 - 0.5^(1/M) (after Cheverud, Heredity 87, 2001, and Westfall and Young).
+
+    Parameters
+    ----------
+    chance
+        Share of every surrogate that a hypothesis explains, (hypotheses, draws).
+    """
+    if chance.size == 0:
+        return 0.0
+    draws = chance.shape[1]
+    ranks = chance.argsort(axis=1).argsort(axis=1)
+    p_values = (draws - ranks) / (draws + 1.0)
+    median = float(np.median(p_values.min(axis=0)))
+    number = np.log(0.5) / np.log1p(-median)
+    return float(np.clip(number, 1.0, len(chance)))

@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 
 from bondgraph.diagnosis.bench import Bench
 from bondgraph.diagnosis.candidates import (
+    CURVE,
     Promised,
     Rejected,
     Screened,
     propose_all,
 )
-from bondgraph.diagnosis.decision import CURVE, Judged, Rule
+from bondgraph.diagnosis.decision import Judged, Rule
 from bondgraph.diagnosis.evidence import MOST_CHUNKS
 from bondgraph.diagnosis.fits import fit_best
 from bondgraph.diagnosis.judging import judge_all
@@ -204,7 +205,7 @@ def _one_round(
     worth = [c for c in fitted if c.reduction(base) >= least]
     order = {id(hypothesis): i for i, hypothesis in enumerate(hypotheses)}
     worth.sort(key=lambda candidate: order[id(candidate.hypothesis)])
-    verdicts = judge_all(bench, worth, len(hypotheses), screened.chance, options.rule)
+    verdicts = judge_all(bench, worth, screened.independent, options.rule)
     return Round(
         base,
         len(hypotheses),

@@ -98,8 +98,7 @@ def _surrogates(residual: Array, random: np.random.Generator) -> Array:
     spectrum = np.fft.rfft(residual, axis=0)
     turn = np.exp(2j * np.pi * random.random((spectrum.shape[0], DRAWS)))
     turn[0] = random.choice([-1.0, 1.0], DRAWS)
-    drawn: Array = np.fft.irfft(spectrum[:, :, None] * turn[:, None], n, axis=0)
-    return drawn
+    return np.asarray(np.fft.irfft(spectrum[:, :, None] * turn[:, None], n, axis=0))
 
 
 def sensitivities(problem: FitProblem, theta: Array, initial: Array) -> Array:
@@ -113,7 +112,8 @@ def orthonormal(columns: Array) -> Array:
     length = np.linalg.norm(columns, axis=0)
     used = columns[:, length > 0.0] / length[length > 0.0]
     if used.shape[1] == 0:
-        return used
+        nothing: Array = used
+        return nothing
     left, size, _ = np.linalg.svd(used, full_matrices=False)
     basis: Array = left[:, size > DEPENDENT * size[0]]
     return basis

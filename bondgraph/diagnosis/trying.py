@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 PROMISE_ITERATIONS = 5
 SHORT_ITERATIONS = 5
 FULL_ITERATIONS = 30
-SETTLE_ITERATIONS = 6
+SETTLE_ITERATIONS = 4
 TOLERANCE = 1e-4
 
 
@@ -78,12 +78,14 @@ def promise(baseline: Baseline, trial: Trial) -> Plain:
 
     def promised() -> Plain:
         problem = pose_hypothesis(base, hypothesis)
-        initial = initial_states(base, problem.model.state_names)
         if silent:
             new = added(base, problem)
             tried = thetas(base, hypothesis, problem, silent)
             scores = [
-                score_test(baseline, problem, theta, initial, new) for theta in tried
+                score_test(
+                    baseline, problem, theta, _settled(base, problem, theta), new
+                )
+                for theta in tried
             ]
             chance = np.max([score.by_chance for score in scores], axis=0)
             return {
@@ -153,7 +155,7 @@ def _begin(
     own = initial_states(base, problem.model.state_names)
     if not trial.starts:
         starts = thetas(base, hypothesis, problem, hypothesis.starts)
-        return [(theta, own) for theta in starts]
+        return [(theta, _settled(base, problem, theta)) for theta in starts]
     begin = []
     for start in trial.starts:
         (theta,) = thetas(base, hypothesis, problem, (start.values,))
@@ -162,6 +164,15 @@ def _begin(
             states, _ = settle(problem, theta, own, SETTLE_ITERATIONS)
         begin.append((theta, states))
     return begin
+
+
+def _settled(base: FittedModel, problem: FitProblem, theta: Array) -> Array:
+    """Return the base model's initial states, with those of new states fitted."""
+    names = problem.model.state_names
+    initial = initial_states(base, names)
+    if set(names) <= set(base.problem.model.state_names):
+        return initial
+    return settle(problem, theta, initial, SETTLE_ITERATIONS)[0]
 
 
 def restored(base: FittedModel, trial: Trial) -> FittedModel:

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.decision import CURVE
+from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.records import Finding, Support, Verdict
 from bondgraph.diagnosis.search import Round
 from bondgraph.diagnosis.wording import name_of
