@@ -65,8 +65,8 @@ THERMAL_ZONES = Machine(
     places=(Place(name="zone1", cell=0), Place(name="zone2", cell=1)),
     inputs=(("heater", "W"),),
     sensors=(
-        Sensor(name="T_1", unit="K", noise=0.03, step=0.02),
-        Sensor(name="T_2", unit="K", noise=0.03, step=0.02),
+        Sensor(name="T_1", unit="K", noise=0.01, step=0.01),
+        Sensor(name="T_2", unit="K", noise=0.01, step=0.01),
     ),
     drive=Drive(size=35.0, offset=50.0, band=(0.0006, 0.01), limit=48.0),
     rate=0.5,
