@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 from bondgraph import BondGraph, C, I, R, RField, Sdirk2, Sdirk3, Se, f, ports
 from bondgraph.equations.derivation import derive
 from bondgraph.numeric.model import compile_model
+from bondgraph.simulation.accuracy import halved_step_difference
 from bondgraph.simulation.run import simulate_inputs
 from bondgraph.simulation.shooting import Shots, shoot
 from bondgraph.simulation.solvers import Hold
@@ -113,3 +114,21 @@ def test_a_field_of_resistances_sticks_port_by_port():
     assert np.abs(v1[time < 0.999]).max() < 1e-12
     assert v1[-1] > 0.4
     assert np.abs(v2).max() < 1e-12
+
+
+@pytest.mark.parametrize(("kind", "seen"), [(Sdirk2, 3 / 4), (Sdirk3, 7 / 8)])
+def test_half_the_step_shows_a_known_share_of_the_error(kind, seen):
+    g = BondGraph("oscillator", domain="translation")
+    g.one("mass", I("m"), C("c"))
+    g.measure("x", displacement="mass")
+    model = compile_model(derive(g.finish()))
+    values = np.array([{"m": 2.0, "c": 0.1}[n] for n in model.parameter_names])
+    start = np.array([[{"q_c": 0.3, "p_m": 0.0}[n] for n in model.state_names]])
+    time = np.linspace(0, 3, 121)
+    shots = Shots(time, np.zeros((121, 0)), np.zeros((121, 1)), (0, 121))
+    case = {"parameters": values, "initial": start, "hold": Hold.FIRST}
+    shot = shoot(model, shots, directions=None, solver=kind(), **case)
+    exact = 0.3 * np.cos(time / np.sqrt(0.2))
+    error = np.sqrt(np.mean((shot.outputs[:, 0] - exact) ** 2))
+    estimate = halved_step_difference(model, shots, solver=kind(), **case)
+    assert estimate[0] == pytest.approx(seen * error, rel=0.05)
