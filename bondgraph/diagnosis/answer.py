@@ -18,7 +18,8 @@ from bondgraph.diagnosis.records import (
 )
 from bondgraph.diagnosis.search import Options, Round, explainable
 from bondgraph.diagnosis.showing import recovered_law, simulate_whole, traces
-from bondgraph.diagnosis.verdict import noise_floor, verdict_of
+from bondgraph.diagnosis.stated import contradicted
+from bondgraph.diagnosis.verdict import noise_floor, verdict_of, with_values
 from bondgraph.diagnosis.wording import finding_statement, name_of, next_experiment
 from bondgraph.fitting.estimate import FittedModel, fit_model, report
 from bondgraph.fitting.result import FitResult
@@ -42,6 +43,9 @@ def answer(
     verdict, statement = verdict_of(
         findings, base, floor, rounds[0], _remaining(accepted, floor)
     )
+    wrong = contradicted(graph, after.estimates)
+    if wrong:
+        verdict, statement = with_values(verdict, statement, wrong)
     candidates = _evidence(rounds)
     shown = [
         recovered_law(r.base, r.chosen.candidate, final, recordings)
@@ -51,7 +55,7 @@ def answer(
     return Diagnosis(
         verdict=verdict,
         statement=statement,
-        findings=tuple(findings),
+        findings=(*findings, *wrong),
         train=_comparison(base, final, recordings),
         held_out=_comparison(base, final, held_out),
         noise_floor=floor,

@@ -107,6 +107,24 @@ def verdict_of(
     )
 
 
+def with_values(
+    verdict: Verdict, statement: str, wrong: Sequence[Finding]
+) -> tuple[Verdict, str]:
+    """Return the verdict where stated values are contradicted as well.
+
+    A model that is adequate only with values it was not given is not adequate.
+    """
+    told = " ".join(finding.statement for finding in wrong)
+    match verdict:
+        case Verdict.ADEQUATE:
+            return (
+                Verdict.PHYSICS_MISSING,
+                f"{told} With it, nothing else is missing that shows.",
+            )
+        case Verdict.PHYSICS_MISSING | Verdict.UNEXPLAINED | Verdict.CANNOT_TELL:
+            return verdict, f"{statement} {told}"
+
+
 def _residual_words(ratio: float) -> str:
     if np.isnan(ratio):
         return "the noise of a steady table is not known"

@@ -111,7 +111,8 @@ class Workshop:
         while waiting and executor is None:
             key = next(iter(waiting))
             yield key, work(common, waiting.pop(key))
-            executor = self._executor(clock.tick()) if len(waiting) > 1 else None
+            left = clock.tick()
+            executor = self._executor(left) if len(waiting) > 1 else None
         if not waiting or executor is None:
             return
         futures = self._submit(executor, work, common, waiting)

@@ -1,0 +1,95 @@
+"""Stated values that the recordings contradict: a finding about a number, not a law.
+
+A parameter that is known to within a standard deviation, and that the best model needs
+far from there, says that the number is wrong or that something moves along with the
+element that the model does not have. Both are told in the words of the element.
+"""
+
+import math
+from collections.abc import Sequence
+
+from bondgraph.diagnosis.records import Finding
+from bondgraph.fitting.result import Estimate
+from bondgraph.structure.elements import Compliance, Inertance, Node, Resistance
+from bondgraph.structure.graph import FinishedGraph
+from bondgraph.structure.nodes import parameters_of
+from bondgraph.structure.signals import parameters_in
+
+FAR = 5.0
+"""Standard deviations, stated and estimated together, beyond which a value is wrong."""
+
+
+def contradicted(
+    graph: FinishedGraph, estimates: Sequence[Estimate]
+) -> tuple[Finding, ...]:
+    """Return a finding for every stated value that the fit has left.
+
+    Parameters
+    ----------
+    graph
+        The user's model, with the values and standard deviations as stated.
+    estimates
+        Of the best model.
+    """
+    found = []
+    for estimate in estimates:
+        stated = graph.parameters.get(estimate.name)
+        if stated is None or not stated.std or stated.value is None:
+            continue
+        spread = math.hypot(stated.std, estimate.std or 0.0)
+        away = (estimate.value - stated.value) / spread
+        if abs(away) > FAR:
+            found.append(_finding(graph, estimate, stated.value, stated.std, away))
+    return tuple(found)
+
+
+def _finding(
+    graph: FinishedGraph, estimate: Estimate, value: float, std: float, away: float
+) -> Finding:
+    node = next((n for n in graph.nodes if estimate.name in parameters_of(n)), None)
+    name = _reader(graph, estimate.name) if node is None else node.name
+    unit = "" if estimate.unit == "1" else f" {estimate.unit}"
+    error = "" if estimate.std is None else f" ± {estimate.std:.2g}"
+    return Finding(
+        physics=_word(node, estimate.value > value),
+        place=name,
+        element=name,
+        statement=(
+            f"{estimate.name} is not what it is said to be: the recordings need "
+            f"{estimate.value:.4g}{error}{unit}, {abs(away):.0f} standard deviations "
+            f"from the stated {value:.4g} ± {std:.2g}{unit}. That is a value and not a "
+            f"law: either the number is wrong, or something acts beside {name} that "
+            "does the same."
+        ),
+        law=f"{estimate.name} = {estimate.value:.6g}",
+        indistinguishable_places=tuple(
+            bond.other(name) for bond in graph.bonds_at(name)
+        ),
+        estimates=(estimate,),
+    )
+
+
+def _reader(graph: FinishedGraph, parameter: str) -> str:
+    """Return the sensor that reads with a parameter of its own."""
+    return next(
+        (
+            m.name
+            for m in graph.measurements
+            if parameter in parameters_in(m.expression)
+        ),
+        parameter,
+    )
+
+
+def _word(node: Node | None, larger: bool) -> str:
+    """Return what would do the same as the change of the value."""
+    match node:
+        case None:
+            return "sensor_scale"
+        case Inertance() if larger:
+            return "added_inertia"
+        case Compliance():
+            return "added_compliance" if larger else "spring"
+        case Resistance():
+            return "viscous_friction"
+    return "unknown_relation"

@@ -1,0 +1,136 @@
+"""Work goes anywhere and gives the same answer; what was worked out is kept."""
+
+import json
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+from bondgraph.diagnosis import workers
+from bondgraph.diagnosis.confidence import winning_shares
+from bondgraph.diagnosis.evidence import LeftOutErrors, compare
+from bondgraph.diagnosis.journal import FILE, Journal, fingerprint
+from bondgraph.diagnosis.screening import effective_number
+from bondgraph.diagnosis.workers import Here, On, Processes, workshop
+from bondgraph.errors import BondGraphError
+
+
+def divided(common, item):
+    return {"value": common / item}
+
+
+def interrupted(common, item):
+    if item == common:
+        raise KeyboardInterrupt
+    return {"value": item}
+
+
+ITEMS = [3.0, 7.0, 11.0, 13.0, 17.0]
+KEYS = [f"divided {item}" for item in ITEMS]
+EXPECTED = [{"value": 1.0 / item} for item in ITEMS]
+
+
+def done(where, journal=None, heard=lambda _: None):
+    with workshop(where, journal or Journal(), heard) as shop:
+        return shop.each(divided, 1.0, ITEMS, KEYS, "dividing")
+
+
+def test_results_come_in_the_order_of_the_items_wherever_the_work_is_done(monkeypatch):
+    monkeypatch.setattr(workers, "POOL_PAYS", -1.0)
+    assert done(Here()) == EXPECTED
+    assert done(Processes(2)) == EXPECTED
+    with ThreadPoolExecutor(2) as pool:
+        assert done(On(pool)) == EXPECTED
+        assert pool.submit(divided, 1.0, 2.0).result() == {"value": 0.5}
+
+
+def test_little_work_starts_no_processes():
+    with workshop(Processes(2), Journal(), lambda _: None) as shop:
+        shop.each(divided, 1.0, ITEMS, KEYS, "dividing")
+        assert shop._pool is None
+
+
+def test_progress_counts_what_is_done():
+    heard = []
+    done(Here(), heard=heard.append)
+    assert heard[0] == "dividing, 5 to do"
+    assert heard[-1].startswith("dividing, 5 of 5")
+
+
+def test_interrupted_work_is_kept_and_goes_on(tmp_path):
+    items, keys = [1.0, 2.0, 3.0], ["a", "b", "c"]
+    journal = Journal(tmp_path)
+    with (
+        pytest.raises(KeyboardInterrupt),
+        workshop(Here(), journal, lambda _: None) as shop,
+    ):
+        shop.each(interrupted, 3.0, items, keys, "working")
+    heard = []
+    with workshop(Here(), Journal(tmp_path), heard.append) as shop:
+        results = shop.each(interrupted, -1.0, items, keys, "working")
+    assert results == [{"value": item} for item in items]
+    assert heard == ["working, 1 to do", "working, 1 of 1"]
+
+
+def test_a_journal_gives_numbers_back_to_the_last_bit(tmp_path):
+    numbers = list(np.random.default_rng(1).standard_normal(50) * 1e-200)
+    Journal(tmp_path).put("key", {"numbers": numbers})
+    kept = Journal(tmp_path).get("key")
+    assert kept is not None
+    assert kept["numbers"] == numbers
+
+
+def test_a_line_that_was_cut_off_is_worked_out_anew(tmp_path):
+    journal = Journal(tmp_path)
+    journal.put("first", {"value": 1})
+    journal.put("second", {"value": 2})
+    file = tmp_path / FILE
+    file.write_text(file.read_text()[:-5])
+    mended = Journal(tmp_path)
+    assert mended.get("first") == {"value": 1}
+    assert mended.get("second") is None
+    mended.put("second", {"value": 2})
+    lines = file.read_text().splitlines()
+    assert json.loads(lines[-1]) == {"key": "second", "result": {"value": 2}}
+
+
+def test_a_journal_that_cannot_be_written_is_refused(tmp_path):
+    file = tmp_path / "file"
+    file.write_text("")
+    with pytest.raises(BondGraphError, match="cannot be used"):
+        Journal(file / "journal")
+
+
+def test_a_fingerprint_changes_with_every_part():
+    array = np.arange(3.0)
+    assert fingerprint("a", array) == fingerprint("a", array.copy())
+    assert fingerprint("a", array) != fingerprint("a", array + 1e-15)
+    assert fingerprint("a", "b") != fingerprint("ab")
+
+
+def test_hypotheses_count_by_how_different_they_are():
+    random = np.random.default_rng(3)
+    different = random.random((20, 399))
+    assert effective_number(different) == pytest.approx(20, rel=0.3)
+    assert effective_number(np.repeat(different[:1], 20, axis=0)) == 1.0
+    pairs = np.repeat(different[:10], 2, axis=0)
+    assert effective_number(pairs) == pytest.approx(10, rel=0.3)
+
+
+def test_equal_models_share_the_probability_and_a_better_one_takes_it():
+    random = np.random.default_rng(4)
+    errors = random.random(24) + 0.5
+    worse = LeftOutErrors(errors * (1.5 + 0.1 * random.random(24)))
+    same = LeftOutErrors(errors)
+    shares = winning_shares([worse, same, same], [1.0, 1.0, 1.0])
+    np.testing.assert_allclose(shares, [0.0, 0.5, 0.5])
+    # A handicap lets the first of two equals win.
+    np.testing.assert_allclose(winning_shares([same, same], [1.0, 1.1]), [1.0, 0.0])
+
+
+def test_small_gains_everywhere_count_beside_one_large_error():
+    before = np.full(12, 1.0)
+    before[3] = 200.0
+    after = 0.7 * before
+    after[3] = 199.0
+    assert compare(LeftOutErrors(before), LeftOutErrors(after)).p_value < 1e-4
