@@ -1,8 +1,10 @@
 """``bondgraph fit``: parameters with what is known of them afterwards."""
 
+from collections.abc import Iterator, Sequence
+
 import click
 
-from bondgraph.cli.fit_options import fit_options
+from bondgraph.cli.fit_options import estimation_options, fit_options
 from bondgraph.cli.inputs import (
     Reading,
     model_argument,
@@ -14,18 +16,31 @@ from bondgraph.cli.session import Session, json_option
 from bondgraph.cli.terminal import table_style
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import Settings, fit
+from bondgraph.fitting.identifiability import identifiability
+from bondgraph.fitting.profile import Profile, profile
 from bondgraph.fitting.result import FitResult, FitStatus
+from bondgraph.fitting.solver_error import SolverError, SolverErrorStatus
+from bondgraph.recordings.binding import BoundRecording
 from bondgraph.reporting.diagnosis_json import json_value
 from bondgraph.reporting.model_text import to_python
 from bondgraph.reporting.tables import estimates_table
-from bondgraph.reporting.wording import number_words, percent
+from bondgraph.reporting.wording import number_words, percent, unit_words
+from bondgraph.structure.graph import FinishedGraph
 
 
 @click.command("fit")
 @model_argument
 @click.argument("recordings", metavar="REC...", nargs=-1, required=True)
 @click.option("-o", "--output", metavar="FILE", help="Write the fitted model (Python).")
+@click.option(
+    "--profile",
+    "profiled",
+    metavar="NAME",
+    multiple=True,
+    help="How far this parameter can move while the others follow; may be repeated.",
+)
 @fit_options(window="auto")
+@estimation_options
 @recording_options
 @json_option
 @click.pass_obj
@@ -37,6 +52,7 @@ def command(
     values: tuple[str, ...],
     recordings: tuple[str, ...],
     output: str | None,
+    profiled: tuple[str, ...],
     settings: Settings,
     reading: Reading,
     json_file: str | None,
@@ -61,13 +77,51 @@ def command(
     session.say()
     session.say(estimates_table(result.estimates, **table_style()))
     session.say()
-    session.say(_score_words(result))
-    for sentence in result.unidentifiable:
-        session.say(f"Not identifiable from these recordings: {sentence}.")
+    session.say("\n".join(_known(result, graph, bound)))
+    with session.progress() as progress:
+        profiles = []
+        for name in profiled:
+            progress(f"profile of {name}")
+            profiles.append(profile(result, name))
+    for one in profiles:
+        session.say(_profile_words(one))
     if output is not None:
         session.write(output, to_python(result.model))
-    session.deliver(json_file, _plain(result))
+    session.deliver(json_file, _plain(result, profiles))
     return 0 if result.status is FitStatus.CONVERGED else 1
+
+
+def _known(
+    result: FitResult, graph: FinishedGraph, bound: Sequence[BoundRecording]
+) -> Iterator[str]:
+    """Yield what the fit knows: intervals, errors, and what it cannot tell."""
+    yield "95 % intervals"
+    for one in result.estimates:
+        if one.interval is not None:
+            low, high = (number_words(end, 5) for end in one.interval)
+            yield f"  {one.name}: {low} to {high} {unit_words(one.unit)}".rstrip()
+    yield ""
+    yield _score_words(result)
+    for name, phi in result.correlation.items():
+        yield f"Noise of {name}: neighbouring samples correlate by {phi:.3f}."
+    for sentence in result.unidentifiable:
+        yield f"Not identifiable from these recordings: {sentence}."
+    if result.unidentifiable:
+        yield identifiability(graph, bound).status.value
+    for sentence in result.barely_known:
+        yield f"Hardly {sentence}."
+    error = result.solver_error
+    if error is not None and error.status is not SolverErrorStatus.FINE:
+        yield error.status.value
+
+
+def _profile_words(one: Profile) -> str:
+    """Return a profile in one line, an open end as such."""
+    low, high = (
+        "open" if end is None else number_words(end, 5) for end in one.interval
+    )
+    ends = f"{low} to {high} {unit_words(one.unit)}".rstrip()
+    return f"Profile of {one.name}: {ends}. {one.status.value}"
 
 
 def _score_words(result: FitResult) -> str:
@@ -79,7 +133,7 @@ def _score_words(result: FitResult) -> str:
     return f"Error {stretch}: {percent(result.score.nrmse)} of the measured spread."
 
 
-def _plain(result: FitResult) -> dict[str, object]:
+def _plain(result: FitResult, profiles: Sequence[Profile]) -> dict[str, object]:
     return {
         "schema": 1,
         "status": result.status.name.lower(),
@@ -88,6 +142,7 @@ def _plain(result: FitResult) -> dict[str, object]:
             e.name: {
                 "value": json_value(e.value),
                 "std": json_value(e.std),
+                "interval": None if e.interval is None else list(e.interval),
                 "unit": e.unit,
                 "start": json_value(e.start),
             }
@@ -96,7 +151,32 @@ def _plain(result: FitResult) -> dict[str, object]:
         "nrmse": json_value(result.score.nrmse),
         "rmse": json_value(result.score.rmse),
         "unidentifiable": list(result.unidentifiable),
+        "barely_known": list(result.barely_known),
+        "noise_correlation": dict(result.correlation),
+        "solver_error": _plain_solver_error(result.solver_error),
+        "profiles": {
+            one.name: {
+                "status": one.status.name.lower(),
+                "sentence": one.status.value,
+                "interval": list(one.interval),
+                "values": list(one.values),
+                "rise": list(one.rise),
+                "threshold": one.threshold,
+            }
+            for one in profiles
+        },
         "iterations": result.iterations,
         "window": json_value(result.window),
         "model": to_python(result.model),
+    }
+
+
+def _plain_solver_error(error: SolverError | None) -> dict[str, object] | None:
+    if error is None:
+        return None
+    return {
+        "status": error.status.name.lower(),
+        "sentence": error.status.value,
+        "rmse": json_value(error.rmse),
+        "shift": json_value(error.shift),
     }

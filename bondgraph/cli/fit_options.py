@@ -1,9 +1,12 @@
-"""The options of commands that simulate: how long at a stretch, and what lies between
-two samples of an input.
-"""  # noqa: D205  (one sentence)
+"""The options of commands that simulate and fit, as the settings they stand for.
+
+How long at a stretch and what lies between two samples of an input; for fits also what
+a residual costs, how the noise is coloured, and from how many starts.
+"""
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import wraps
 from typing import Any, TypeVar
 
@@ -11,9 +14,18 @@ import click
 
 from bondgraph.fitting.estimate import Settings
 from bondgraph.fitting.horizon import Automatic, Horizon, Seconds, WholeRecordings
+from bondgraph.fitting.loss import Huber, Loss, SquaredError, StudentT
+from bondgraph.fitting.noise import AutoregressiveNoise, Noise, WhiteNoise
+from bondgraph.fitting.starts import ManyStarts, OneStart
 from bondgraph.simulation.solvers import Hold
 
 F = TypeVar("F", bound=Callable[..., Any])
+_LOSSES: dict[str, Loss] = {
+    "squared": SquaredError(),
+    "huber": Huber(),
+    "student": StudentT(),
+}
+_NOISES: dict[str, Noise] = {"white": WhiteNoise(), "coloured": AutoregressiveNoise()}
 _HOLDS = {"zero": Hold.ZERO, "first": Hold.FIRST}
 
 
@@ -67,3 +79,61 @@ def fit_options(*, window: str) -> Callable[[F], F]:
         )(with_hold)
 
     return add
+
+
+def estimation_options(command: F) -> F:
+    """Add ``--loss``, ``--noise``, ``--starts`` and ``--seed`` to the ``settings``.
+
+    It goes below `fit_options`, which makes them.
+    """
+
+    @wraps(command)
+    def with_choices(
+        *args: Any,
+        settings: Settings,
+        loss: str,
+        noise: str,
+        starts: int,
+        seed: int,
+        **options: Any,
+    ) -> Any:
+        chosen = replace(
+            settings,
+            loss=_LOSSES[loss],
+            noise=_NOISES[noise],
+            starts=OneStart() if starts == 1 else ManyStarts(count=starts, seed=seed),
+        )
+        return command(*args, settings=chosen, **options)
+
+    for option in (
+        click.option(
+            "--seed",
+            type=int,
+            default=0,
+            show_default=True,
+            help="Of the random starts.",
+        ),
+        click.option(
+            "--starts",
+            type=click.IntRange(min=1),
+            default=1,
+            show_default=True,
+            help="Starts: the model's values, the others within a factor of three.",
+        ),
+        click.option(
+            "--noise",
+            type=click.Choice(list(_NOISES)),
+            default="white",
+            show_default=True,
+            help="Weigh residuals as white or as first-order coloured noise.",
+        ),
+        click.option(
+            "--loss",
+            type=click.Choice(list(_LOSSES)),
+            default="squared",
+            show_default=True,
+            help="What a residual costs; huber and student bear outliers.",
+        ),
+    ):
+        with_choices = option(with_choices)
+    return with_choices  # type: ignore[return-value]

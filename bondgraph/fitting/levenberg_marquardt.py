@@ -227,19 +227,19 @@ def _step(
     hessian = normal.hessian + damping * np.diag(reduced)
     move = _bounded(problem, hessian, normal.slope, theta)
     shift = normal.offset - normal.gain @ move
-    promised = _promised(at, move, shift)
+    gained = _gained(at, move, shift)
     before, _ = prior_residuals(problem, theta)
     after, _ = prior_residuals(problem, theta + move)
-    decrease = float((at.cost - promised).sum() + before @ before - after @ after)
-    return _Step(theta + move, initial + shift, promised, decrease)
+    decrease = float(gained.sum() + before @ before - after @ after)
+    return _Step(theta + move, initial + shift, at.cost - gained, decrease)
 
 
-def _promised(at: Linearisation, move: Array, shift: Array) -> Array:
-    """Return the cost of each window after a step, in the linearised problem."""
+def _gained(at: Linearisation, move: Array, shift: Array) -> Array:
+    """Return by how much a step lowers each window's cost in the linearised problem."""
     whole = np.column_stack([np.broadcast_to(move, (len(shift), len(move))), shift])
     curved = np.einsum("wi,wij,wj->w", whole, at.hessian, whole)
-    promised: Array = at.cost - 2.0 * (at.slope * whole).sum(axis=1) + curved
-    return promised
+    gained: Array = 2.0 * (at.slope * whole).sum(axis=1) - curved
+    return gained
 
 
 @dataclass(frozen=True, slots=True)

@@ -78,9 +78,10 @@ def uncertainty(problem: FitProblem, optimum: Optimum) -> Uncertainty:
     curved = mean_curvature(problem.loss, whitened_squares(problem, optimum))
     hessian: Array = np.float64(curved) * scores.squared + np.diag(weight**2)
     inverse = truncated_inverse(hessian, FLAT)
-    blocks = _block_count(errors)
+    blocks = _block_count(errors, problem.shots.n_windows)
     own = variance * np.diag(weight**2)
-    by_blocks = inverse @ (_gathered(scores.samples, blocks) + own) @ inverse
+    gathered = _gathered(scores.samples, problem.shots.edges, blocks)
+    by_blocks = inverse @ (gathered + own) @ inverse
     by_colour = inverse @ (scores.coloured + own) @ inverse
     white = inverse @ (variance * scores.squared + own) @ inverse
     wide = np.diag(by_blocks) > np.diag(by_colour)
@@ -187,15 +188,24 @@ def _scores(
     return _Scores(squared, coloured, np.concatenate(pieces))
 
 
-def _block_count(errors: Array) -> int:
-    """Return into how many blocks to cut: each several correlation times long."""
+def _block_count(errors: Array, windows: int) -> int:
+    """Return into how many blocks to cut: each several correlation times long.
+
+    Many windows are not cut: their initial states tie their samples together.
+    """
     longest = max(correlation_time(column) for column in errors.T)
+    most = min(windows, MOST_BLOCKS) if windows >= LEAST_BLOCKS else MOST_BLOCKS
     independent = len(errors) // (CORRELATIONS_PER_BLOCK * longest)
-    return int(np.clip(independent, LEAST_BLOCKS, MOST_BLOCKS))
+    return int(np.clip(independent, LEAST_BLOCKS, most))
 
 
-def _gathered(samples: Array, blocks: int) -> Array:
-    totals = np.array([b.sum(axis=0) for b in np.array_split(samples, blocks)])
+def _gathered(samples: Array, edges: tuple[int, ...], blocks: int) -> Array:
+    """Return M from the scores of blocks of samples, or of whole windows if many."""
+    windows = len(edges) - 1
+    cuts = np.arange(blocks + 1) * len(samples) // blocks
+    if windows >= blocks:
+        cuts = np.array(edges)[np.arange(blocks + 1) * windows // blocks]
+    totals = np.add.reduceat(samples, cuts[:-1], axis=0)
     gathered: Array = totals.T @ totals * blocks / (blocks - 1)
     return gathered
 
