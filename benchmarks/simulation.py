@@ -1,23 +1,33 @@
-"""A pendulum with dry friction, driven by a sampled noisy torque: kernel and scipy.
+"""A pendulum with dry friction, driven by a sampled noisy torque: ours and others.
 
-Ten seconds at 1 kHz. scipy gets the best that Python has to offer: the right-hand side
+Ten seconds at 1 kHz, against the same method written by hand in numba and C, against
+CasADi and scipy. scipy gets the best that Python has to offer: the right-hand side
 is a plain lambdified function and the input is looked up by index. Its adaptive step
-control sees the samples' noise as dynamics; the kernel steps from sample to sample. The
+control sees the samples' noise as dynamics; ours steps from sample to sample. The
 reference is the classical Runge-Kutta method at 20 steps per sample, written out here.
 """
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import sympy
 from numpy.typing import NDArray
 from scipy.integrate import odeint, solve_ivp
 
-from benchmarks.measuring import print_machine, print_table, seconds, stopwatch
+from benchmarks.handwritten import c_loop, numba_loop
+from benchmarks.measuring import (
+    interleaved,
+    print_machine,
+    print_table,
+    seconds,
+    write_results,
+)
 from bondgraph import BondGraph, C, I, R, Sdirk2, Sdirk3, Se, derive, f, q
 from bondgraph.numeric.model import compile_model
+from bondgraph.simulation.engines import Engine, Interpreted, Native
 from bondgraph.simulation.shooting import Shots, shoot
-from bondgraph.simulation.solvers import Hold, Solver
+from bondgraph.simulation.solvers import Hold, RungeKutta4, Solver
 
 Array = NDArray[np.float64]
 STEP, SAMPLES, FINE = 1e-3, 10_000, 20
@@ -87,7 +97,13 @@ def reference(u: Array) -> Array:
     return np.array(angles)
 
 
-def kernel(u: Array, solver: Solver, *, sensitivities: bool) -> Callable[[], Array]:
+def ours(
+    u: Array,
+    solver: Solver,
+    engine: Engine,
+    *,
+    sensitivities: bool = False,
+) -> Callable[[], Array]:
     model = compile_model(derive(pendulum().finish()))
     time = STEP * np.arange(SAMPLES)
     shots = Shots(time, u[:, None], np.zeros((SAMPLES, 1)), (0, SAMPLES))
@@ -104,9 +120,54 @@ def kernel(u: Array, solver: Solver, *, sensitivities: bool) -> Callable[[], Arr
             directions=about,
             solver=solver,
             hold=Hold.FIRST,
+            engine=engine,
         )
         assert shot.completed.all()
         return shot.outputs[:, 0]
+
+    return simulate
+
+
+def by_hand(u: Array, loop: Callable[..., None]) -> Callable[[], Array]:
+    names = ("J", "weight", "coulomb", "viscous", "slip")
+    values = np.array([VALUES[name] for name in names])
+
+    def simulate() -> Array:
+        y = np.empty(SAMPLES)
+        loop(values, u, STEP, START["p_J"], START["q_mass"], y)
+        return y
+
+    return simulate
+
+
+def casadi_run(u: Array) -> Callable[[], Array] | None:
+    """Return CasADi's mapped Runge-Kutta steps, or None where it is not installed."""
+    try:
+        import casadi  # noqa: PLC0415
+    except ImportError:
+        return None
+    x, w = casadi.SX.sym("x", 2), casadi.SX.sym("w", 2)
+    v = VALUES
+
+    def rate(state: Any, drive: Any) -> Any:
+        speed = state[0] / v["J"]
+        friction = v["coulomb"] * casadi.tanh(speed / v["slip"]) + v["viscous"] * speed
+        pull = v["weight"] * casadi.sin(state[1])
+        return casadi.vertcat(drive - friction - pull, speed)
+
+    h, middle = STEP, 0.5 * (w[0] + w[1])
+    a = rate(x, w[0])
+    b = rate(x + h / 2 * a, middle)
+    c = rate(x + h / 2 * b, middle)
+    d = rate(x + h * c, w[1])
+    new = x + h / 6 * (a + 2 * b + 2 * c + d)
+    steps = casadi.Function("step", [x, w], [new]).mapaccum(SAMPLES - 1)
+    pairs = np.stack([u[:-1], u[1:]])
+    start = [START["p_J"], START["q_mass"]]
+
+    def simulate() -> Array:
+        angles = np.array(steps(start, pairs))[1]
+        return np.concatenate([[START["q_mass"]], angles])
 
     return simulate
 
@@ -138,33 +199,47 @@ def scipy_runs(u: Array) -> dict[str, Callable[[], Array]]:
     return {**runs, "scipy odeint, rtol 1e-06": ode(1e-6)}
 
 
+def quick_runs(u: Array) -> dict[str, Callable[[], Array]]:
+    """Return what is fast enough to be repeated, the measure of all first."""
+    in_c, in_casadi = c_loop(), casadi_run(u)
+    native = Native()
+    runs = {
+        "numba loop by hand": by_hand(u, numba_loop),
+        **({"C loop by hand, gcc -O3": by_hand(u, in_c)} if in_c else {}),
+        "RungeKutta4": ours(u, RungeKutta4(), native),
+        "RungeKutta4, 7 sensitivities": ours(
+            u, RungeKutta4(), native, sensitivities=True
+        ),
+        "Sdirk2": ours(u, Sdirk2(), native),
+        "Sdirk2, 7 sensitivities": ours(u, Sdirk2(), native, sensitivities=True),
+        "Sdirk3": ours(u, Sdirk3(), native),
+        "Sdirk2 on the tape": ours(u, Sdirk2(), Interpreted()),
+        "Sdirk2 on the tape, 7 sensitivities": ours(
+            u, Sdirk2(), Interpreted(), sensitivities=True
+        ),
+    }
+    return {**runs, **({"CasADi, the same steps": in_casadi} if in_casadi else {})}
+
+
 def main() -> None:
     print_machine()
     u = torque()
     true = reference(u)
-    ours = {
-        "kernel, Sdirk2": kernel(u, Sdirk2(), sensitivities=False),
-        "kernel, Sdirk3": kernel(u, Sdirk3(), sensitivities=False),
-        "kernel, Sdirk2, 7 sensitivities": kernel(u, Sdirk2(), sensitivities=True),
-    }
-    rows, base = [], 0.0
-    for name, run in ours.items():
-        run()  # loads the compiled kernel
-        duration, angle = stopwatch(run, times=5)
-        base = base or duration
-        rows.append(_row(name, duration, base, angle, true))
-    for name, run in scipy_runs(u).items():
-        duration, angle = stopwatch(run, times=1)
-        rows.append(_row(name, duration, base, angle, true))
-    columns = ("method", "time", "times the kernel", "largest error of the angle")
+    quick, slow = quick_runs(u), scipy_runs(u)
+    times = interleaved(quick, rounds=40) | interleaved(slow, rounds=2)
+    measure, record, rows = times["numba loop by hand"], [], []
+    for name, run in {**quick, **slow}.items():
+        error = float(np.abs(run() - true).max())
+        ratio, middle = (t / m for t, m in zip(times[name], measure, strict=True))
+        record.append({"method": name, "seconds": times[name][0], "ratio": ratio,
+                       "ratio_of_medians": middle, "error": error})  # fmt: skip
+        rows.append(
+            (name, seconds(times[name][0]), f"{ratio:.3g}", f"{middle:.3g}",
+             f"{error:.1e} rad")
+        )  # fmt: skip
+    columns = ("method", "processor time", "ratio", "ratio of medians", "largest error")
     print_table("Friction pendulum, 10 s at 1 kHz, noisy torque", columns, rows)
-
-
-def _row(
-    name: str, duration: float, base: float, angle: Array, true: Array
-) -> tuple[str, ...]:
-    error = float(np.abs(angle - true).max())
-    return name, seconds(duration), f"{duration / base:.3g}", f"{error:.1e} rad"
+    write_results("simulation", record)
 
 
 if __name__ == "__main__":

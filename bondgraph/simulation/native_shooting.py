@@ -69,8 +69,8 @@ def run_native(
     wanted = np.zeros(0, np.int64) if directions is None else directions
     rows = 0 if directions is None else n
     run = NativeRun(
-        np.full((n, ny), np.nan),
-        np.full((n, nx), np.nan),
+        np.empty((n, ny)),
+        np.empty((n, nx)),
         np.zeros((rows, ny, len(wanted) + nx)),
         np.zeros(len(windows.edges) - 1, dtype=np.int64),
     )
@@ -97,6 +97,12 @@ def run_native(
             )
 
     _share(simulate, len(run.done), n)
+    lengths = np.diff(windows.edges)
+    for window in np.flatnonzero(run.done < lengths):
+        left = slice(
+            windows.edges[window] + run.done[window], windows.edges[window + 1]
+        )
+        run.outputs[left] = run.states[left] = np.nan
     return run
 
 
