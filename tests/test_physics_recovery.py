@@ -130,6 +130,21 @@ CASES = [
         "gear",
         {"half_gap": 0.02, "contact_stiffness": 200.0, "contact_damping": 200.0},
     ),
+    Case("two_masses", "Backlash", "spring", {"half_gap": 0.01}),
+    Case(
+        "wheel",
+        "FlexibleMode",
+        "shaft",
+        {"mode_inertia": 0.06, "mode_frequency": 5.0, "mode_damping": 0.1},
+    ),
+    Case("lamp", "Clamp", "node", {"overflow_level": 0.3, "overflow": 1.0}),
+    Case(
+        "heaters",
+        "TemperatureDependentResistance",
+        "loss1",
+        {"temperature_slope": 0.01},
+    ),
+    Case("dc_drive", "QuadraticDrag", "winding", {"quadratic": 0.3}),
     Case(
         "slider", "DahlHysteresis", "carriage", {"hysteresis": 0.5, "presliding": 0.01}
     ),

@@ -11,6 +11,7 @@ import sympy
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import MECHANICAL, E, F, Place, Q
 from bondgraph.physics.places.bond import BondPlace
+from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import ZeroJunctionPlace
 from bondgraph.structure.elements import Compliance, Resistance
 from bondgraph.structure.signals import displacement, e, f, q
@@ -61,11 +62,26 @@ class Backlash(AbstractPhysics):
     domains = MECHANICAL
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it where both sides of a bond can move on their own in the gap."""
-        if not isinstance(place, BondPlace) or not self.suits(place):
+        """Yield it where both sides of a bond can move on their own, and for a C."""
+        if not self.suits(place):
             return
-        if not place.both_sides_resist:
+        if isinstance(place, BondPlace) and place.both_sides_resist:
+            yield self._between(place)
+        if isinstance(place, ElementPlace) and isinstance(place.element, Compliance):
+            yield from self._before(place)
+
+    def _before(self, place: ElementPlace) -> Iterator[Hypothesis]:
+        """Yield a spring that touches only beyond a gap."""
+        if q not in place.usual_law.free_symbols:
             return
+        gaps = tuple(share * place.content for share in (0.0, 0.1, 0.3, 0.8))
+        gap = place.strength("half_gap", place.unit(Q), gaps, low=0.0)
+        law = place.usual_law.xreplace({q: _beyond(q, gap.symbol)})
+        words = f"{place.name} has play: it carries nothing inside a gap"
+        edit = place.replace(law, gap)
+        yield self.hypothesis(place, edit, law, (gap,), words, also=place.junctions)
+
+    def _between(self, place: BondPlace) -> Hypothesis:
         way = place.displacement
         gaps = tuple(share * way for share in (0.0, 0.01, 0.03, 0.1, 0.3))
         gap = place.shape("half_gap", place.unit(Q), gaps, low=0.0)
@@ -83,7 +99,7 @@ class Backlash(AbstractPhysics):
         )
         words = f"{place.name} has play: its ends touch only beyond a gap"
         edit = place.loosen(name, elements, gap, k, d)
-        yield self.hypothesis(
+        return self.hypothesis(
             place, edit, law, (gap, k, d), words, extends=("compliance",)
         )
 

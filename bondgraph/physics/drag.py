@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import FLUID, MECHANICAL, E, F, Place
+from bondgraph.physics.places.base import ELECTRIC, FLUID, MECHANICAL, E, F, Place
 from bondgraph.physics.places.junction import OneJunctionPlace
 from bondgraph.structure.domains import HYDRAULIC
 from bondgraph.structure.elements import Resistance
@@ -19,7 +19,7 @@ class QuadraticDrag(AbstractPhysics):
     reference = "Newton's drag law; turbulent pressure loss (Darcy-Weisbach)"
     passivity = Passivity.DISSIPATIVE
     signature = "losses only at speed; taken for viscous friction over a narrow range"
-    domains = MECHANICAL | FLUID
+    domains = MECHANICAL | FLUID | ELECTRIC
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at every 1-junction."""

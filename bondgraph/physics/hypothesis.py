@@ -75,10 +75,14 @@ class Hypothesis:
         """The starts that leave the base model as it is, whose slopes tell promise."""
         if not self.strengths:
             return self.starts[:1] if self.edit.nested else ()
+        # An inertia of zero has no equations: its least start is as good as none.
+        least = {
+            name: min(abs(s[name]) for s in self.starts) for name in self.strengths
+        }
         return tuple(
             start
             for start in self.starts
-            if all(start.get(name, 0.0) == 0.0 for name in self.strengths)
+            if all(abs(start[name]) == least[name] for name in self.strengths)
         )
 
     def apply(self, graph: FinishedGraph) -> FinishedGraph:

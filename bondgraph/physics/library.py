@@ -20,7 +20,8 @@ from bondgraph.physics.hysteresis import BoucWenHysteresis, DahlHysteresis
 from bondgraph.physics.inertia import AddedInertia, SaturatingInertia
 from bondgraph.physics.leakage import Leak, Slip
 from bondgraph.physics.load import LoadDependentFriction
-from bondgraph.physics.orifice import Overflow, SquareLaw, SquareRootOrifice
+from bondgraph.physics.modes import FlexibleMode
+from bondgraph.physics.orifice import Clamp, Overflow, SquareLaw, SquareRootOrifice
 from bondgraph.physics.position import (
     Cogging,
     EndStop,
@@ -52,9 +53,11 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     SquareLaw(),
     SquareRootOrifice(),
     Overflow(),
+    Clamp(),
     Radiation(),
     EndStop(),
     SeriesCompliance(),
+    FlexibleMode(),
     Backlash(),
     DahlHysteresis(),
     BoucWenHysteresis(),

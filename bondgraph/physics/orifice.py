@@ -11,6 +11,7 @@ from bondgraph.physics.places.junction import (
     OneJunctionPlace,
     ZeroJunctionPlace,
 )
+from bondgraph.structure.domains import ELECTRICAL
 from bondgraph.structure.edits import InsertElement, ReplaceRelation, SeveralEdits
 from bondgraph.structure.elements import FlowSource, Resistance, ZeroJunction
 from bondgraph.structure.signals import e, f, flow, signals_in
@@ -141,6 +142,20 @@ class Overflow(AbstractPhysics):
             f"{over}; part of it falls into {below}",
             extends=("overflow",),
         )
+
+
+class Clamp(Overflow):
+    """A current that begins above a voltage: a diode, a suppressor, an insulation."""
+
+    word = "saturation"
+    reference = "clamping diode, piecewise linear"
+    signature = "a voltage that stays at a ceiling; taken for a saturated sensor"
+    domains = frozenset({ELECTRICAL})
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it at 0-junctions."""
+        if isinstance(place, ZeroJunctionPlace) and self.suits(place):
+            yield self._over(place, power=sympy.S.One, below=None)
 
 
 def _next_stocks(place: ZeroJunctionPlace) -> tuple[str, ...]:

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import sympy
+
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import HEAT, E, F, Place
 from bondgraph.physics.places.element import ElementPlace
@@ -50,7 +52,8 @@ class TemperatureDependentResistance(AbstractPhysics):
     """A resistance that changes as its own losses warm it.
 
     Its rise x follows the power it takes, late: x' = (h e f - x) / tau, and the law is
-    that of the resistance times 1 + x. A winding's grows, a lubricant's falls.
+    that of the resistance times 1 + x. A winding's grows, a lubricant's falls. A wall
+    between two temperatures has their mean.
     """
 
     word = "temperature_dependent_resistance"
@@ -59,11 +62,22 @@ class TemperatureDependentResistance(AbstractPhysics):
     signature = "a resistance that drifts over minutes of use; taken for wear or bias"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for every linear R."""
-        if not isinstance(place, ElementPlace) or place.domain == THERMAL:
+        """Yield it for every linear R; a thermal one is as warm as what it joins."""
+        if not isinstance(place, ElementPlace):
             return
         if not isinstance(place.element, Resistance) or place.element.law is not None:
             return
+        yield self._by_place(place) if place.domain == THERMAL else self._by_use(place)
+
+    def _by_place(self, place: ElementPlace) -> Hypothesis:
+        temperature = _mean_temperature(place)
+        a = place.strength("temperature_slope", "1/K", (0.0, 0.2 / place.effort))
+        law = place.usual_law * (1 + a.symbol * temperature)
+        words = f"{place.name} changes with the temperature of what it joins"
+        edit = place.replace(law, a)
+        return self.hypothesis(place, edit, law, (a,), words, also=place.junctions)
+
+    def _by_use(self, place: ElementPlace) -> Hypothesis:
         some = 0.2 / (place.effort * place.flow)
         stretch = place.scales.stretch
         times = tuple(share * stretch for share in (0.03, 0.1, 0.3, 1.0))
@@ -75,4 +89,14 @@ class TemperatureDependentResistance(AbstractPhysics):
         law = place.usual_law * (1 + displacement(name))
         words = f"{place.name} changes as it warms"
         edit = place.replace(law, h, tau, states=(SignalState(name, rate),))
-        yield self.hypothesis(place, edit, law, (h, tau), words, also=place.junctions)
+        return self.hypothesis(place, edit, law, (h, tau), words, also=place.junctions)
+
+
+def _mean_temperature(place: ElementPlace) -> sympy.Expr:
+    """Return the mean of the temperatures around a thermal resistance."""
+    (junction,) = place.junctions
+    if not place.is_one_junction(junction):
+        return effort(junction)
+    bonds = place.graph.bonds_at(junction)
+    around = [bond.name for bond in bonds if bond.other(junction) != place.name]
+    return sympy.Add(*map(effort, around)) / len(around)

@@ -12,11 +12,12 @@ import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
 from bondgraph.physics.places.base import Coefficient, E, F, Place, Q
+from bondgraph.physics.places.channels import InputPlace
 from bondgraph.physics.places.junction import JunctionPlace, OneJunctionPlace
 from bondgraph.physics.position import restoring
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.elements import OnePort, Resistance
-from bondgraph.structure.signals import e, f, q
+from bondgraph.structure.signals import e, effort, f, flow, q
 
 KNOTS = (-2.0, -1.0, -0.3, -0.03, 0.03, 0.3, 1.0, 2.0)
 """Knots of a law of flow, in typical flows; close about zero, where friction turns."""
@@ -26,20 +27,51 @@ EVEN_KNOTS = (-2.0, -1.2, -0.4, 0.4, 1.2, 2.0)
 
 
 class UnknownRelation(AbstractPhysics):
-    """A free curve of the flow, or of the displacement where that is known."""
+    """A free curve of a local variable: flow, effort, displacement, or a command."""
 
     word = "unknown_relation"
     reference = "piecewise linear interpolation"
     signature = "whatever no named law gives"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield a curve of each local variable of a junction."""
+        """Yield a curve of each local variable of a junction, two of an input."""
         if isinstance(place, OneJunctionPlace):
             yield self._curve(place, f, F, place.flow, KNOTS)
             if place.displacement_known:
                 yield self._curve(place, q, Q, place.displacement, EVEN_KNOTS)
         elif isinstance(place, JunctionPlace):
             yield self._curve(place, e, E, place.effort, EVEN_KNOTS)
+        elif isinstance(place, InputPlace):
+            yield self._of_input(place)
+            yield self._gain(place)
+
+    def _of_input(self, place: InputPlace) -> Hypothesis:
+        """Apply a free curve of what is commanded."""
+        size = place.constant("curve_input", place.channel_unit, place.peak / 2.0)
+        heights = tuple(
+            place.strength(f"curve_{i}", place.channel_unit)
+            for i in range(len(EVEN_KNOTS))
+        )
+        curve = _interpolation(place.signal / size.symbol, EVEN_KNOTS, heights)
+        law = place.signal + curve
+        words = f"{place.name} acts along an unnamed curve of what is commanded"
+        edit = place.become(law, *heights, size)
+        return self.hypothesis(place, edit, law, heights, words)
+
+    def _gain(self, place: InputPlace) -> Hypothesis:
+        """Make the gain a free curve of what the input meets, its flow or effort."""
+        met = flow if place.is_one_junction(place.junction) else effort
+        other = met(place.junction)
+        unit, typical = place.unit(other.quantity), place.scales.of(other.name)
+        size = place.constant("curve_met", unit, typical)
+        heights = tuple(
+            place.strength(f"gain_{i}", "1") for i in range(len(EVEN_KNOTS))
+        )
+        curve = _interpolation(other / size.symbol, EVEN_KNOTS, heights)
+        law = place.signal * (1 + curve)
+        words = f"{place.name} acts with a gain that changes with what it meets"
+        edit = place.become(law, *heights, size)
+        return self.hypothesis(place, edit, law, heights, words)
 
     def _curve(
         self,
