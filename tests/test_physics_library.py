@@ -15,6 +15,7 @@ from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.places.channels import ChannelPlace
 from bondgraph.physics.places.everywhere import all_places, machine_junctions
+from bondgraph.physics.places.junction import ZeroJunctionPlace
 from bondgraph.physics.places.scales import Scales
 from bondgraph.structure.domains import DOMAINS
 from bondgraph.structure.edits import (
@@ -376,6 +377,12 @@ def test_laws_of_position_need_a_position_that_is_known():
     assert gained == {"gravity", "spring", "hardening_spring", "end_stop", "cogging"}
     # An angle that nothing else reads has a free origin, which is its sensor's offset.
     assert words(measured=False) - words(measured=True) == set()
+
+
+def test_a_0_junction_has_no_displacement_even_where_a_c_sits():
+    for name, place, _, _ in CASES:
+        if isinstance(place, ZeroJunctionPlace):
+            assert not place.displacement_known, (name, place.name)
 
 
 def test_typical_sizes_that_are_unknown_or_zero_do_not_divide_by_zero():

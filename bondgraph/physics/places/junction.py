@@ -36,14 +36,8 @@ class JunctionPlace(Place):
 
     @property
     def displacement_known(self) -> bool:
-        """Whether the displacement is absolute here: measured, or that of a C.
-
-        Elsewhere its origin would be free in every window, which explains too much.
-        """
-        own = displacement(self.name)
-        if any(m.expression.has(own) for m in self.graph.measurements):
-            return True
-        return any(isinstance(node, Compliance) for node in self.neighbours)
+        """Whether there is a displacement here that is absolute."""
+        return False
 
     @property
     def has_free_bias(self) -> bool:
@@ -116,6 +110,17 @@ class JunctionPlace(Place):
 @dataclass(frozen=True, slots=True)
 class OneJunctionPlace(JunctionPlace):
     """A 1-junction: what hangs there shares its flow and adds an effort."""
+
+    @property
+    def displacement_known(self) -> bool:
+        """Whether the displacement is absolute here: measured, or that of a C.
+
+        Elsewhere its origin would be free in every window, which explains too much.
+        """
+        own = displacement(self.name)
+        if any(m.expression.has(own) for m in self.graph.measurements):
+            return True
+        return any(isinstance(node, Compliance) for node in self.neighbours)
 
 
 @dataclass(frozen=True, slots=True)
