@@ -1,11 +1,15 @@
-"""``python -m benchmarks.concealed make | run | score | table``."""
+"""``python -m benchmarks.concealed make | run | score | others | table``."""
 
 import argparse
+import json
+import math
 import time
 from pathlib import Path
 
 REDUCED = 10
-"""Cases of the reduced run."""
+"""Cases of the reduced run at most."""
+REDUCED_SECONDS = 290.0
+"""Time for all of them."""
 
 
 def main() -> None:
@@ -35,6 +39,12 @@ def main() -> None:
     score.add_argument("--truth", type=Path, required=True)
     score.add_argument("--out", type=Path, required=True)
     score.set_defaults(work=_score)
+    others = commands.add_parser("others", help="other methods on the same cases")
+    others.add_argument("--cases", type=Path, required=True)
+    others.add_argument("--truth", type=Path, required=True)
+    others.add_argument("--out", type=Path, required=True)
+    others.add_argument("--only", nargs="*", default=(), help="words in case names")
+    others.set_defaults(work=_others)
     table = commands.add_parser("table", help="print which answers count as right")
     table.set_defaults(work=_table)
     chosen = parser.parse_args()
@@ -67,6 +77,7 @@ def _run(chosen: argparse.Namespace) -> None:
         names=tuple(chosen.only),
         most=REDUCED if chosen.reduced else chosen.most,
         again=chosen.again,
+        budget=REDUCED_SECONDS if chosen.reduced else math.inf,
     )
 
 
@@ -76,6 +87,16 @@ def _score(chosen: argparse.Namespace) -> None:
 
     scored = score(chosen.answers, chosen.truth)
     print(markdown(scored, write_board(scored, chosen.out)))
+
+
+def _others(chosen: argparse.Namespace) -> None:
+    from benchmarks.concealed.others.comparing import compare, table  # noqa: PLC0415
+
+    rows = compare(chosen.cases, chosen.truth, tuple(chosen.only))
+    chosen.out.mkdir(parents=True, exist_ok=True)
+    (chosen.out / "others.json").write_text(json.dumps(rows, indent=1), "utf-8")
+    (chosen.out / "others.md").write_text(table(rows) + "\n", "utf-8")
+    print(table(rows))
 
 
 def _table(_: argparse.Namespace) -> None:

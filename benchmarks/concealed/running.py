@@ -5,6 +5,7 @@ interrupted run goes on where it stopped.
 """
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -25,6 +26,7 @@ def run_all(
     names: Sequence[str] = (),
     most: int | None = None,
     again: bool = False,
+    budget: float = math.inf,
 ) -> None:
     """Run `bondgraph diagnose` on every case that has no answer yet.
 
@@ -38,14 +40,25 @@ def run_all(
         How many cases at most, from the beginning of the list.
     again
         Whether to run cases again that were refused or failed.
+    budget
+        Seconds for all; cases that do not begin in time are left for another run, and
+        one that is cut off by it is not counted against the tool.
     """
     answers.mkdir(parents=True, exist_ok=True)
     found = sorted(path.parent for path in public.glob("*/case.json"))
     found = [c for c in found if not names or any(n in c.name for n in names)][:most]
     waiting = [c for c in found if not _done(answers / f"{c.name}.run.json", again)]
     print(f"{len(found)} cases, {len(waiting)} to run", flush=True)
+    end = time.monotonic() + budget
+
+    def work(case: Path) -> str:
+        left = end - time.monotonic()
+        if left <= 0.0:
+            return f"{case.name:40s} not run: the time for all is over"
+        return _run(case, answers, limit, workers, left)
+
     with ThreadPoolExecutor(workers) as pool:
-        for line in pool.map(lambda c: _run(c, answers, limit, workers), waiting):
+        for line in pool.map(work, waiting):
             print(line, flush=True)
 
 
@@ -57,7 +70,7 @@ def _done(record: Path, again: bool) -> bool:
     return not (again and status in ("refused", "failed"))
 
 
-def _run(case: Path, answers: Path, limit: float, workers: int) -> str:
+def _run(case: Path, answers: Path, limit: float, workers: int, left: float) -> str:
     """Run one case, write its answer and how it went, and return a line about it."""
     told = json.loads((case / "case.json").read_text("utf-8"))
     answer = (answers / f"{case.name}.json").resolve()
@@ -79,13 +92,15 @@ def _run(case: Path, answers: Path, limit: float, workers: int) -> str:
             env=environment,
             capture_output=True,
             text=True,
-            timeout=limit,
+            timeout=min(limit, left),
             check=False,
         )
         words = done.stderr[-2000:]
         if done.returncode or not answer.exists():
             status = "refused" if done.returncode == 2 else "failed"
     except subprocess.TimeoutExpired:
+        if left < limit:
+            return f"{case.name:40s} cut off: the time for all is over"
         status = "too long"
     seconds = time.perf_counter() - begin
     (answers / f"{case.name}.run.json").write_text(

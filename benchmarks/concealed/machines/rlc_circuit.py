@@ -72,7 +72,7 @@ RLC_CIRCUIT = Machine(
     drive=Drive(size=4.0, band=(20.0, 900.0), limit=12.0),
     rate=20e3,
     samples=5000,
-    fine=10,
+    fine=40,
     model=MODEL,
     aliases={
         "source": ("loop",),
