@@ -1,0 +1,115 @@
+"""A law is not tried where something that is fitted already does the same."""
+
+import pytest
+import sympy
+from physics_machines import known
+
+from bondgraph import BondGraph, C, FinishedGraph, I, R, Se, Sf
+from bondgraph.physics.library import LIBRARY
+from bondgraph.physics.places.everywhere import all_places
+from bondgraph.physics.places.scales import Scales
+from bondgraph.structure.domains import DOMAINS
+from bondgraph.structure.elements import Compliance, Inertance, Resistance
+from bondgraph.structure.signals import Signal
+
+
+def words_at(graph: FinishedGraph) -> set[str]:
+    """Return what the library proposes for a graph, at any place."""
+    return {
+        hypothesis.physics
+        for place in all_places(graph, Scales())
+        for physics in LIBRARY
+        for hypothesis in physics.propose(place)
+    }
+
+
+LINEAR = {
+    "viscous_friction": (Resistance, R, "one"),
+    "leak": (Resistance, R, "zero"),
+    "spring": (Compliance, C, "one"),
+    "added_inertia": (Inertance, I, "one"),
+    "added_compliance": (Compliance, C, "zero"),
+}
+
+
+@pytest.mark.parametrize("word", LINEAR)
+def test_a_linear_element_with_a_free_value_is_not_proposed_again(word):
+    kind, element, junction = LINEAR[word]
+    domain = "rotation" if junction == "one" else "hydraulic"
+
+    def words(std):
+        g = BondGraph("axle", domain=domain)
+        source = Se("torque") if junction == "one" else Sf("flow_in")
+        other = R if kind is not Resistance else I if junction == "one" else C
+        add = g.one if junction == "one" else g.zero
+        add("axle", source, other("J"), element("own"))
+        reads = "displacement" if junction == "one" else "effort"
+        g.measure("theta", **{reads: "axle"})
+        g.parameter("own", 1.0, _linear_unit(kind, domain), std=std)
+        return words_at(known(g, J=(1.0, _linear_unit(KINDS[other], domain))))
+
+    assert word not in words(std=None)
+    assert word in words(std=0.0)
+    assert word in words(std=0.1)
+
+
+KINDS = {R: Resistance, I: Inertance, C: Compliance}
+
+
+def _linear_unit(kind, domain_name):
+    domain = DOMAINS[domain_name]
+    above, below = {
+        Resistance: (domain.effort_unit, domain.flow_unit),
+        Inertance: (domain.momentum_unit, domain.flow_unit),
+        Compliance: (domain.displacement_unit, domain.effort_unit),
+    }[kind]
+    return f"({above})/({below})"
+
+
+def biased(expression, std=None):
+    g = BondGraph("biased", domain="translation")
+    names = [s.name for s in sympy.sympify(expression).free_symbols]
+    g.one("cart", Se("force"), I("m"), Se("offset", value=expression))
+    g.measure("x", displacement="cart")
+    for name in names:
+        g.parameter(name, 0.5, "N", std=std)
+    return known(g, m=(1.0, "kg"))
+
+
+def test_a_fitted_constant_source_is_a_bias_already():
+    bias = sympy.Symbol("bias")
+    twice = {"constant_bias", "direction_dependent_friction"}
+    assert not words_at(biased(bias)) & twice
+    assert not words_at(biased(bias, std=0.1)) & twice
+    assert twice <= words_at(biased(bias, std=0.0))
+    assert twice <= words_at(biased(sympy.Integer(3)))
+
+
+def test_an_offset_or_factor_that_is_fitted_already_is_not_proposed_of_a_sensor():
+    def words(expression):
+        g = BondGraph("cart", domain="translation")
+        g.one("cart", Se("force"), I("m"), C("k"))
+        g.measure("x", expression, unit="m")
+        g.parameter("own", 0.5, "m" if expression.is_Add else "1")
+        return words_at(known(g, m=(1.0, "kg"), k=(1.0, "m/N")))
+
+    own, x = sympy.Symbol("own", real=True), Signal("displacement", "cart")
+    assert "sensor_bias" not in words(x + own)
+    assert "sensor_scale" in words(x + own)
+    assert "sensor_bias" in words(x * own)
+    assert "sensor_scale" not in words(x * own)
+
+
+def test_laws_of_position_need_a_position_that_is_known():
+    def words(*, measured):
+        g = BondGraph("free cart", domain="rotation")
+        g.one("shaft", Se("torque"), I("J"))
+        g.measure("w", flow="shaft")
+        if measured:
+            g.measure("angle", displacement="shaft")
+        return words_at(known(g, J=(1.0, "kg*m^2")))
+
+    gained = words(measured=True) - words(measured=False)
+    assert gained == {"gravity", "spring", "hardening_spring", "end_stop", "cogging"}
+    # An angle that nothing else reads has a free origin, which is its sensor's offset.
+    assert words(measured=False) - words(measured=True) == set()
