@@ -377,3 +377,29 @@ def test_native_code_and_tape_stick_and_slip_alike(make):
     ):
         size = np.abs(other).max(axis=0)
         assert (np.abs(one - other) <= 1e-7 * size + 1e-9).all()
+
+
+@pytest.mark.parametrize("kind", [Sdirk2, Sdirk3])
+def test_chains_of_rubbing_masses_shaken_by_noise_are_followed(kind):
+    """Frictions beside and between the masses; some of these steps need halving."""
+    rng = np.random.default_rng(1)
+    for n in (2, 3, 4):
+        g = BondGraph("chain", domain="translation")
+        known = {}
+        for i in range(n):
+            rub = symbols([f"t{i}"])[0] * sympy.sign(f)
+            g.one(f"x{i}", I(f"m{i}"), R(f"r{i}", law=rub), *[Se("u")][: i == 0])
+            known |= {f"m{i}": rng.uniform(0.1, 5), f"t{i}": rng.uniform(0, 3)}
+            if i:
+                between = symbols([f"k{i}"])[0] * sympy.sign(f) + 0.1 * f
+                link = C(f"c{i}") if i % 2 else R(f"slip{i}", law=between)
+                known |= {f"c{i}": 10 ** rng.uniform(-4, -1), f"k{i}": 1.0}
+                g.zero(f"s{i}", link)
+                g.join(f"x{i - 1}", f"s{i}")
+                g.join(f"s{i}", f"x{i}")
+        g.measure("v", flow=f"x{n - 1}")
+        names = g.finish().parameters
+        values = {name: known[name] for name in known if name in names}
+        time = np.arange(0, 2, 2e-3)
+        shake = 6 * np.sin(3 * time) + 4 * rng.standard_normal(len(time))
+        assert run(g, values, time, shake, solver=kind()).completed.all()

@@ -113,7 +113,7 @@ def solve_stage(system: System, work: Work, base: Array, h: float) -> bool:
     damping, last, changes = 1.0, math.inf, 0
     work.trouble[0] = NO_END
     _seed(system, work, h)
-    for iteration in range(ITERATIONS):
+    for iteration in range(ITERATIONS * (1 + system.nd)):
         _place(system, work, base, h)
         run(system.dynamics, system.first, work.v, work.d, nw)
         if iteration == 0 and begin(system, work):

@@ -21,6 +21,7 @@ EVENTS = 8  # splits of one step; the rest is taken as it is
 SEARCH = 40
 CLOSE = 1e-10  # of a step, to which an event is located,
 NARROW = 1e-12  # or of the argument's size in it, within which it vanishes
+SHORTEST = 1e-3  # of a step, down to which it is halved where it has no solution
 NEAR = 1e-5  # of the way to an event, to see how fast it comes
 GLANCE = 1e-6  # of a step, the time over which friction at one instant is judged
 
@@ -320,9 +321,13 @@ def advance(
     system: System, work: Work, method: Method, steps: Steps, x: Array, dx: Array,
     drive: Drive, elapsed: float, h: float, n: int,
 ) -> bool:  # fmt: skip
-    """Take one step of size `h` in place, split where frictions stop."""
-    whole, events = h, 0
+    """Take one step of size `h` in place, split where frictions stop.
+
+    Where frictions are and a step finds no solution, it is taken in halves.
+    """
+    whole, events, part = h, 0, h
     while h > GLANCE * whole or events == 0:
+        part = min(part, h)
         start = 0.0
         if system.nd > 0:
             _copy(system, work, steps, x, dx, n, work.held[0])
@@ -330,16 +335,23 @@ def advance(
             if events >= EVENTS:  # too many: the rest of the step as it comes
                 for k in range(system.nd):
                     steps.mode[k] = STICKS
-        if not _step(system, work, method, steps, x, dx, drive, elapsed, h, n):
-            return False
-        if not _stopped(system, work, steps):
-            return True
-        share = _to_event(
-            system, work, method, steps, x, dx, drive, elapsed, h, n, start
-        )
-        if share < 0.0:
-            return False
-        elapsed += share * h
-        h -= share * h
-        events += 1
+        share = 1.0
+        found = _step(system, work, method, steps, x, dx, drive, elapsed, part, n)
+        if found and _stopped(system, work, steps):
+            share = _to_event(
+                system, work, method, steps, x, dx, drive, elapsed, part, n, start
+            )
+            found = share >= 0.0
+            events += 1
+        if not found:
+            if system.nd == 0 or part < SHORTEST * whole:
+                return False
+            work.held[0] = True
+            _copy(system, work, steps, x, dx, n, work.held[0])
+            work.held[0] = False
+            part *= 0.5
+            continue
+        elapsed += share * part
+        h -= share * part
+        events = max(events, 1)
     return True
