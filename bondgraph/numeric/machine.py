@@ -7,14 +7,19 @@ models never compile. The numbers are those of `bondgraph.numeric.tape.Op`.
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from bondgraph.numeric.compiled_cache import discard_stale
+
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+
+discard_stale(Path(__file__).parent)
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 # numba counts references to every array at every call, which costs more than small
