@@ -3,6 +3,16 @@
 import numpy as np
 import pytest
 import sympy
+from test_fitting import (
+    WHOLE,
+    excitation,
+    free_motion,
+    motor,
+    motor_recording,
+    recorded,
+    spring_mass,
+    spring_mass_recording,
+)
 
 from bondgraph import (
     TF,
@@ -20,16 +30,6 @@ from bondgraph import (
 from bondgraph.fitting.combinations import Local, combination_sentences
 from bondgraph.fitting.identifiability import IdentifiabilityStatus, identifiability
 from bondgraph.fitting.solver_error import SolverErrorStatus
-from tests.test_fitting import (
-    WHOLE,
-    excitation,
-    free_motion,
-    motor,
-    motor_recording,
-    recorded,
-    spring_mass,
-    spring_mass_recording,
-)
 
 TIME = 0.01 * np.arange(300)
 
