@@ -30,6 +30,12 @@ _HOME = {
         "InsertElement",
         "ReplaceRelation",
         "ReplaceMeasurement",
+        "ConnectJunctions",
+        "LoosenBond",
+        "ObstructBond",
+        "SeveralEdits",
+        "SignalState",
+        "WrapInput",
     ),
     "bondgraph.causality.assignment": ("assign_causality",),
     "bondgraph.equations.derivation": ("derive",),
@@ -53,7 +59,12 @@ _HOME = {
     "bondgraph.recordings.resampling": ("resample",),
     "bondgraph.recordings.noise": ("NoiseEstimate", "estimate_noise"),
     "bondgraph.recordings.windows": ("split",),
-    "bondgraph.simulation.solvers": ("Hold", "Sdirk2", "Sdirk3"),
+    "bondgraph.simulation.solvers": (
+        "Hold",
+        "Sdirk2",
+        "Sdirk3",
+        "RungeKutta4",
+    ),
     "bondgraph.fitting.horizon": (
         *("Automatic", "Seconds", "WholeRecordings", "Windows"),
     ),
@@ -222,6 +233,44 @@ _HOME = {
         *("ActuatorLimit",),
     ),
     "bondgraph.errors": ("BondGraphError",),
+    "bondgraph.physics.hypothesis": (
+        "AbstractPhysics",
+        "Hypothesis",
+        "Passivity",
+    ),
+    "bondgraph.physics.library": ("LIBRARY",),
+    "bondgraph.physics.places.base": (
+        "Coefficient",
+        "Place",
+    ),
+    "bondgraph.physics.places.junction": (
+        "OneJunctionPlace",
+        "ZeroJunctionPlace",
+    ),
+    "bondgraph.physics.places.bond": ("BondPlace",),
+    "bondgraph.physics.places.element": ("ElementPlace",),
+    "bondgraph.physics.places.pair": ("PairPlace",),
+    "bondgraph.physics.places.channels": (
+        "InputPlace",
+        "OutputPlace",
+    ),
+    "bondgraph.physics.places.scales": ("Scales",),
+    "bondgraph.physics.places.everywhere": ("all_places",),
+    "bondgraph.simulation.run": (
+        "Run",
+        "simulate_inputs",
+    ),
+    "bondgraph.simulation.trouble": ("RunStatus",),
+    "bondgraph.simulation.energy_audit": ("EnergyAudit",),
+    "bondgraph.simulation.events": (
+        "Event",
+        "EventKind",
+    ),
+    "bondgraph.simulation.adaptive": (
+        "Cvode",
+        "Ida",
+        "Radau",
+    ),
 }
 _WHERE = {name: home for home, names in _HOME.items() for name in names}
 
@@ -384,6 +433,21 @@ if TYPE_CHECKING:
         transfer_function_to_control as transfer_function_to_control,
     )
     from bondgraph.numeric.steady_state import steady_state as steady_state
+    from bondgraph.physics.hypothesis import AbstractPhysics as AbstractPhysics
+    from bondgraph.physics.hypothesis import Hypothesis as Hypothesis
+    from bondgraph.physics.hypothesis import Passivity as Passivity
+    from bondgraph.physics.library import LIBRARY as LIBRARY
+    from bondgraph.physics.places.base import Coefficient as Coefficient
+    from bondgraph.physics.places.base import Place as Place
+    from bondgraph.physics.places.bond import BondPlace as BondPlace
+    from bondgraph.physics.places.channels import InputPlace as InputPlace
+    from bondgraph.physics.places.channels import OutputPlace as OutputPlace
+    from bondgraph.physics.places.element import ElementPlace as ElementPlace
+    from bondgraph.physics.places.everywhere import all_places as all_places
+    from bondgraph.physics.places.junction import OneJunctionPlace as OneJunctionPlace
+    from bondgraph.physics.places.junction import ZeroJunctionPlace as ZeroJunctionPlace
+    from bondgraph.physics.places.pair import PairPlace as PairPlace
+    from bondgraph.physics.places.scales import Scales as Scales
     from bondgraph.reconciliation.published import PublishedResult as PublishedResult
     from bondgraph.reconciliation.published import as_printed as as_printed
     from bondgraph.reconciliation.reconcile import reconcile as reconcile
@@ -437,20 +501,36 @@ if TYPE_CHECKING:
     from bondgraph.reporting.model_text import to_python as to_python
     from bondgraph.reporting.report import report_html as report_html
     from bondgraph.reporting.report import write_report as write_report
+    from bondgraph.simulation.adaptive import Cvode as Cvode
+    from bondgraph.simulation.adaptive import Ida as Ida
+    from bondgraph.simulation.adaptive import Radau as Radau
+    from bondgraph.simulation.energy_audit import EnergyAudit as EnergyAudit
+    from bondgraph.simulation.events import Event as Event
+    from bondgraph.simulation.events import EventKind as EventKind
+    from bondgraph.simulation.run import Run as Run
+    from bondgraph.simulation.run import simulate_inputs as simulate_inputs
     from bondgraph.simulation.solvers import Hold as Hold
+    from bondgraph.simulation.solvers import RungeKutta4 as RungeKutta4
     from bondgraph.simulation.solvers import Sdirk2 as Sdirk2
     from bondgraph.simulation.solvers import Sdirk3 as Sdirk3
     from bondgraph.simulation.sparse import SparseSolution as SparseSolution
     from bondgraph.simulation.sparse import SparseStatus as SparseStatus
     from bondgraph.simulation.sparse import simulate_sparse as simulate_sparse
+    from bondgraph.simulation.trouble import RunStatus as RunStatus
     from bondgraph.structure.builder import BondGraph as BondGraph
     from bondgraph.structure.detectors import De as De
     from bondgraph.structure.detectors import Df as Df
     from bondgraph.structure.detectors import Dp as Dp
     from bondgraph.structure.detectors import Dq as Dq
+    from bondgraph.structure.edits import ConnectJunctions as ConnectJunctions
     from bondgraph.structure.edits import InsertElement as InsertElement
+    from bondgraph.structure.edits import LoosenBond as LoosenBond
+    from bondgraph.structure.edits import ObstructBond as ObstructBond
     from bondgraph.structure.edits import ReplaceMeasurement as ReplaceMeasurement
     from bondgraph.structure.edits import ReplaceRelation as ReplaceRelation
+    from bondgraph.structure.edits import SeveralEdits as SeveralEdits
+    from bondgraph.structure.edits import SignalState as SignalState
+    from bondgraph.structure.edits import WrapInput as WrapInput
     from bondgraph.structure.elements import GY as GY
     from bondgraph.structure.elements import MGY as MGY
     from bondgraph.structure.elements import MR as MR
