@@ -271,6 +271,16 @@ _HOME = {
         "Ida",
         "Radau",
     ),
+    "bondgraph.simulation.engines": (
+        "Interpreted",
+        "Native",
+        "WhenItPays",
+    ),
+    "bondgraph.simulation.batch": (
+        "Batch",
+        "SetStatus",
+        "simulate_batch",
+    ),
 }
 _WHERE = {name: home for home, names in _HOME.items() for name in names}
 
@@ -504,7 +514,13 @@ if TYPE_CHECKING:
     from bondgraph.simulation.adaptive import Cvode as Cvode
     from bondgraph.simulation.adaptive import Ida as Ida
     from bondgraph.simulation.adaptive import Radau as Radau
+    from bondgraph.simulation.batch import Batch as Batch
+    from bondgraph.simulation.batch import SetStatus as SetStatus
+    from bondgraph.simulation.batch import simulate_batch as simulate_batch
     from bondgraph.simulation.energy_audit import EnergyAudit as EnergyAudit
+    from bondgraph.simulation.engines import Interpreted as Interpreted
+    from bondgraph.simulation.engines import Native as Native
+    from bondgraph.simulation.engines import WhenItPays as WhenItPays
     from bondgraph.simulation.events import Event as Event
     from bondgraph.simulation.events import EventKind as EventKind
     from bondgraph.simulation.run import Run as Run
