@@ -1,0 +1,1 @@
+"""What to measure next: the input or the sensor that would tell alternatives apart."""
