@@ -164,12 +164,15 @@ def test_the_board_counts_weak_strong_outside_and_empty_apart():
     wrong = score_case(truth(effect()), answer(MISSING, finding("lag", "x")), 4.0)
     weak = score_case(truth(effect(), strength=0.5), answer("adequate"), 1.0)
     quiet = score_case(truth(strength=0.0), answer("adequate"), 1.0)
-    numbers = board([right, wrong, weak, quiet])
+    late = score_case(truth(strength=0.0), None, 0.0)
+    numbers = board([right, wrong, weak, quiet, late])
     assert numbers["strong"]["both"]["trials"] == 2
     assert numbers["strong"]["both"]["share"] == 0.5
     assert numbers["strong"]["confidently_wrong"]["share"] == 0.5
     assert numbers["weak"]["outcomes"] == {"missed": 1}
     assert numbers["empty_cases"]["false_alarms"]["share"] == 0.0
+    assert numbers["empty_cases"]["false_alarms"]["trials"] == 1
+    assert numbers["empty_cases"]["no_answer"]["successes"] == 1
     assert numbers["seconds"]["sum"] == 8.0
     assert numbers["confusion"] == {DRY: {DRY: 1, "lag": 1, "adequate": 1}}
 

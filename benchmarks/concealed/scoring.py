@@ -266,7 +266,10 @@ def board(scored: Sequence[Scored]) -> dict[str, Any]:
             "outcomes": _counts([s for s in full if s.outside]),
         },
         "empty_cases": {
-            "false_alarms": share_of(empty, lambda s: s.outcome is Outcome.FALSE_ALARM),
+            "false_alarms": share_of(
+                [s for s in empty if s.outcome is not Outcome.NO_ANSWER],
+                lambda s: s.outcome is Outcome.FALSE_ALARM,
+            ),
             "cannot_tell": share_of(empty, lambda s: s.outcome is Outcome.UNSURE),
             "no_answer": share_of(empty, lambda s: s.outcome is Outcome.NO_ANSWER),
         },
