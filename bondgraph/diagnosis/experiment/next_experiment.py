@@ -67,7 +67,9 @@ def next_experiment(
     noise = noise_scale(alternatives[0], recordings)
     known = [information(one, noise) for one in alternatives]
     ranges = _ranges(recordings, limits or {})
-    time = first.step * np.arange(min(MOST_SAMPLES, len(first)))
+    time: Array = first.step * np.arange(
+        min(MOST_SAMPLES, len(first)), dtype=np.float64
+    )
     found: list[tuple[float, str, Array]] = []
     for name, inputs in _inputs(first, time, ranges, seed).items():
         sigmas = _sigmas(alternatives, known, time, inputs, noise, recordings)
