@@ -99,7 +99,7 @@ def judge(
     share = f"{100 * gain.value:.1f} ± {100 * gain.std:.1f} %"
     if enough and sure:
         support, reason = Support.SUPPORTED, f"reduces the left-out error by {share}"
-    elif gain.value + 2 * gain.std < rule.materiality:
+    elif gain.value <= 0.0 or gain.value + 2 * gain.std < rule.materiality:
         support = Support.REFUTED
         reason = f"changes the left-out error by {share}, too little to matter"
     elif enough:

@@ -1,0 +1,115 @@
+"""The known traps of locating missing physics, each on a small simulated machine.
+
+The machines are simulated here with numpy alone: semi-implicit Euler at a fine step,
+dry friction by projection, so that no law of the library makes the data that test it.
+"""
+
+import numpy as np
+import pytest
+
+from bondgraph import BondGraph, I, R, Se
+from bondgraph.diagnosis.diagnose import diagnose
+from bondgraph.diagnosis.records import Verdict
+from bondgraph.diagnosis.search import Options
+from bondgraph.fitting.estimate import Settings
+from bondgraph.recordings.binding import bind
+from bondgraph.recordings.recording import Recording
+from bondgraph.simulation.solvers import Hold
+
+STEP, FINE, DURATION = 0.005, 10, 10.0
+TIME = np.arange(0.0, DURATION, STEP)
+
+
+def multisine(seed, size=6.0):
+    rng = np.random.default_rng(seed)
+    waves = np.outer(TIME, rng.uniform(0.2, 3.0, 8))
+    return (
+        size * np.sin(2 * np.pi * waves + rng.uniform(0, 2 * np.pi, 8)).sum(axis=1) / 2
+    )
+
+
+def simulated(force, resisting, *, mass=1.3, dry=0.0, states=0):
+    """Return the position of a mass under ``force(i, x, v)`` less what resists.
+
+    ``resisting(x, v, z, fine)`` returns an effort and the memory z after the step; dry
+    friction of size `dry` can hold.
+    """
+    fine = STEP / FINE
+    x, v, z = 0.0, 0.0, np.zeros(states)
+    position, applied = np.empty(TIME.size), np.empty(TIME.size)
+    for i in range(TIME.size):
+        position[i] = x
+        applied[i] = force(i, x, v)
+        for _ in range(FINE):
+            effort, z = resisting(x, v, z, fine)
+            free = v + fine * (applied[i] - effort) / mass
+            v = np.sign(free) * max(abs(free) - fine * dry / mass, 0.0)
+            x += fine * v
+    return applied, position
+
+
+def viscous(x, v, z, fine):
+    return 2.0 * v, z
+
+
+def recorded(name, applied, position, noise=2e-4, seed=0, coloured=0.0):
+    white = np.random.default_rng(seed + 10_000).standard_normal(TIME.size)
+    error = np.empty(TIME.size)
+    error[0] = white[0]
+    for i in range(1, TIME.size):
+        error[i] = coloured * error[i - 1] + np.sqrt(1 - coloured**2) * white[i]
+    channels = {"force": (applied, "N"), "position": (position + noise * error, "m")}
+    recording = Recording.from_arrays(name, TIME, channels)
+    return bind(recording, {"force": "N"}, {"position": "m"})
+
+
+def cart(mass=1.05, friction=2.4):
+    graph = BondGraph("cart", domain="translation")
+    graph.one("wheel", Se("force"), I("mass"), R("viscous"))
+    graph.measure("position", displacement="wheel")
+    graph.parameter("mass", mass, "kg", bounds=(0.01, 100))
+    graph.parameter("viscous", friction, "N*s/m", bounds=(0, 100))
+    return graph.finish()
+
+
+def pair(seed, resisting=viscous, *, noise=2e-4, coloured=0.0, **machine):
+    """Return a training and a held-out recording, with different excitation."""
+    made = []
+    for one in (seed, seed + 50):
+        drive = multisine(one)
+        applied, position = simulated(
+            lambda i, x, v, drive=drive: drive[i], resisting, **machine
+        )
+        made.append(recorded(f"run {one}", applied, position, noise, one, coloured))
+    return made
+
+
+def diagnosed(graph, training, held_out):
+    settings = Settings(hold=Hold.ZERO)
+    return diagnose(
+        graph, [training], held_out=[held_out], options=Options(settings=settings)
+    )
+
+
+def named(diagnosis):
+    return [finding.physics for finding in diagnosis.findings]
+
+
+def test_wrong_start_values_are_not_missing_physics():
+    # A base fit that ends too early looks like a discovery.
+    diagnosis = diagnosed(cart(mass=6.0, friction=20.0), *pair(1))
+    assert diagnosis.verdict is Verdict.ADEQUATE, diagnosis.statement
+    assert diagnosis.fit_before.estimate("mass").value == pytest.approx(1.3, rel=0.01)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_coloured_noise_of_a_sensor_is_not_physics(seed):
+    training, held_out = pair(seed, noise=5e-4, coloured=0.95)
+    diagnosis = diagnosed(cart(), training, held_out)
+    assert diagnosis.findings == (), diagnosis.statement
+
+
+def test_coulomb_friction_is_not_called_stribeck():
+    diagnosis = diagnosed(cart(), *pair(4, dry=1.0))
+    assert named(diagnosis) == ["coulomb_friction"], diagnosis.statement
+    assert diagnosis.findings[0].probability > 0.9
