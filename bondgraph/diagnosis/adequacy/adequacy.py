@@ -50,7 +50,7 @@ def adequacy(
     recordings
         Those it was fitted to; measurement noise and rounding are estimated from them.
     level
-        False-alarm probability; at least ``1 / (draws + 1)``.
+        False-alarm probability; at least ``2 / (draws + 1)``.
     draws
         Simulations of the fitted model with noise.
     seed
@@ -80,7 +80,8 @@ def adequacy(
     size = np.std(noise.innovations, axis=0)
     size = np.where(size > 0.0, size, 1.0)
     fine = Nuisance(chain, 1.0 / size, models, plain.sensitivities)
-    found, p_value = strongest(fitted, chain, residual, fine, noise, draws, random)
+    both = (plain, fine)
+    found, p_value = strongest(fitted, chain, residual, both, noise, draws, random)
     model = fitted.problem.model
     checks = tuple(
         OutputCheck(

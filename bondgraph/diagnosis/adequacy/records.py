@@ -76,11 +76,10 @@ class Dependence:
     form, variable
         ``form variable`` reads as the function.
     share
-        Of the whitened residual that they explain, parameters and initial states
-        allowed for.
+        Of the residual that they explain, parameters and initial states allowed for.
     p_value
-        By itself, of the F test for white noise; `Adequacy.p_value` allows for the
-        number of families and for the noise.
+        By itself, of the F test of the whitened residual for white noise;
+        `Adequacy.p_value` allows for the number of families and for the noise.
     """
 
     place: str
