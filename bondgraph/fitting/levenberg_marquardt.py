@@ -191,13 +191,16 @@ def minimise(
     damping, small, done = 1e-4, 0, 0
     for done in range(1, iterations + 1):
         step = _step(problem, here, theta, initial, damping)
-        if damping <= GAUSS_NEWTON and 0.0 <= step.decrease <= EXACT * share * cost:
+        near = 0.0 <= step.decrease <= EXACT * share * cost
+        if near and damping <= GAUSS_NEWTON and np.isfinite(cost):
             return Optimum(theta, initial, here, cost, done, converged=True)
         new = linearise_windows(problem, step.theta, step.initial)
         step, new = _repair(problem, step, new, initial, here.cost)
         new_cost = total_cost(problem, new, step.theta)
         if new_cost < cost:
-            small = small + 1 if cost - new_cost <= share * cost else 0
+            # The first step out of where nothing could be simulated is not a small one.
+            tiny = np.isfinite(cost) and cost - new_cost <= share * cost
+            small = small + 1 if tiny else 0
             theta, initial, here, cost = step.theta, step.initial, new, new_cost
             damping = max(damping / 8, 1e-12)
             if small >= 2 or cost == 0.0:

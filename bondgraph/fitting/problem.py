@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from bondgraph.fitting.loss import Loss, SquaredError, cost_of, weight_of
 from bondgraph.fitting.noise import whitened
+from bondgraph.fitting.overflow import without_overflow
 from bondgraph.numeric.model import NumericModel
 from bondgraph.simulation.shooting import Shooting, Shots, shoot
 from bondgraph.simulation.solvers import Hold, Solver
@@ -83,7 +84,8 @@ class Linearisation:
     Parameters
     ----------
     residuals
-        Measured minus simulated over σ, (n, ny); zero where nothing was measured.
+        Measured minus simulated over σ, (n, ny); zero where nothing was measured, nan
+        in a window that could not be simulated.
     hessian, slope, cost
         JᵀWJ, JᵀWr and Σρ per window, of whitened residuals with the loss's weights; J
         is the derivative of the *simulation*, so a step solves ``JᵀWJ step = JᵀWr``.
@@ -108,9 +110,10 @@ class Part:
     windows, rows
         Which windows, and their samples.
     residuals
-        Scaled, not whitened; (m, ny).
+        Scaled, not whitened; (m, ny); nan in a window that could not be simulated.
     errors, jacobian
-        Scaled and whitened, (m, ny) and (m, ny, nq + nx); zero where not measured.
+        Scaled and whitened, (m, ny) and (m, ny, nq + nx); zero where not measured and
+        in a window that could not be simulated.
     """
 
     windows: slice
@@ -157,11 +160,16 @@ def _part(problem: FitProblem, theta: Array, initial: Array, windows: slice) -> 
         solver=problem.solver,
         hold=problem.hold,
     )
-    measured = np.isfinite(shots.outputs)
+    shot = without_overflow(shot, shots.edges)
+    known = np.isfinite(shots.outputs)
+    ran = np.repeat(shot.completed, np.diff(shots.edges))
+    measured = known & ran[:, None]
     residuals = (shots.outputs - shot.outputs) / problem.sigma
     jacobian = shot.sensitivities / problem.sigma[:, None]
+    errors = residuals
     if not measured.all():
-        residuals = np.where(measured, residuals, 0.0)
+        errors = np.where(measured, residuals, 0.0)
+        residuals = np.where(known, residuals, 0.0)
         jacobian = np.where(measured[..., None], jacobian, 0.0)
     phi = problem.correlation
     return Part(
@@ -170,7 +178,7 @@ def _part(problem: FitProblem, theta: Array, initial: Array, windows: slice) -> 
         shots,
         shot,
         residuals,
-        whitened(residuals, phi, shots.edges, measured),
+        whitened(errors, phi, shots.edges, measured),
         whitened(jacobian, phi, shots.edges, measured),
     )
 

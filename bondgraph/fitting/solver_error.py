@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from bondgraph.fitting.levenberg_marquardt import Optimum
 from bondgraph.fitting.noise import whitened
+from bondgraph.fitting.overflow import without_overflow
 from bondgraph.fitting.problem import FitProblem, parts
 from bondgraph.fitting.uncertainty import projected
 from bondgraph.simulation.shooting import shoot
@@ -81,6 +82,7 @@ def solver_error(
             solver=finer,
             hold=problem.hold,
         )
+        shot = without_overflow(shot, part.shots.edges)
         error = (shot.outputs - part.shot.outputs) / problem.sigma
         error = np.where(np.isfinite(part.shots.outputs), error, 0.0)
         squared += (error**2).sum(axis=0)

@@ -1,0 +1,75 @@
+"""Windows that cannot be simulated: taken out, never calculated with."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import sympy
+
+from bondgraph import BondGraph, I, R, Recording, Se, Settings, Windows, bind_to, f, fit
+from bondgraph.fitting.horizon import cut
+from bondgraph.fitting.levenberg_marquardt import minimise
+from bondgraph.fitting.loss import Huber
+from bondgraph.fitting.noise import AutoregressiveNoise
+from bondgraph.fitting.posing import pose, prepare
+from bondgraph.fitting.problem import linearise_windows
+from bondgraph.fitting.result import FitStatus
+
+# dv/dt = (force + a v³) / m leaves every bound in finite time once v is large.
+MASS, GROWTH = 2.0, 0.5
+
+
+def runaway():
+    g = BondGraph("runaway", domain="translation")
+    g.one("axle", Se("force"), I("m"), R("drag", law=-sympy.Symbol("a") * f**3))
+    g.measure("v", flow="axle")
+    g.parameter("m", 1.5, "kg")
+    g.parameter("a", GROWTH, "N*s^3/m^3")
+    return g.finish()
+
+
+def recording(graph):
+    time = 0.01 * np.arange(200)
+    force = np.sin(5.0 * time)
+    noise = 1e-3 * np.random.default_rng(1).normal(size=200)
+    v = 0.3 * np.sin(3.0 * time) + noise
+    channels = {"force": (force, "N"), "v": (v, "m/s")}
+    return bind_to(graph, Recording.from_arrays("made", time, channels))
+
+
+@pytest.mark.parametrize("choices", [{}, {"loss": Huber()}])
+@pytest.mark.parametrize("correlation", [0.0, 0.6])
+def test_a_window_that_fails_costs_infinitely_and_moves_no_other(choices, correlation):
+    graph = runaway()
+    settings = Settings(horizon=Windows(50), **choices)
+    model = prepare(graph)
+    problem = pose(graph, model, cut([recording(graph)], Windows(50)), settings)
+    problem = replace(problem, correlation=np.array([correlation]))
+    theta = problem.start[problem.free]
+    fine = np.full((problem.shots.n_windows, 1), 0.2)
+    broken = fine.copy()
+    broken[1] = 1e4
+    whole = linearise_windows(problem, theta, fine)
+    found = linearise_windows(problem, theta, broken)
+    others = np.arange(len(fine)) != 1
+    assert np.isfinite(whole.cost).all()
+    assert found.cost[1] == np.inf
+    assert not found.hessian[1].any()
+    assert not found.slope[1].any()
+    np.testing.assert_allclose(found.cost[others], whole.cost[others])
+    np.testing.assert_allclose(found.hessian[others], whole.hessian[others])
+    rows = problem.shots.slices[1]
+    assert np.isnan(found.residuals[rows]).all()
+    assert np.isfinite(np.delete(found.residuals, np.r_[rows], axis=0)).all()
+    # A minimisation from there neither warns nor calls itself converged.
+    optimum = minimise(problem, theta, broken)
+    assert not optimum.converged
+    assert optimum.cost == np.inf
+
+
+def test_a_model_that_never_runs_says_so():
+    graph = runaway().with_parameters({"a": 1e12})
+    result = fit(
+        graph, [recording(graph)], settings=Settings(noise=AutoregressiveNoise())
+    )
+    assert result.status is FitStatus.SIMULATION_FAILED
