@@ -1,5 +1,8 @@
 """``bondgraph simulate``: a model beside a recording."""
 
+import math
+from collections import Counter
+from dataclasses import asdict
 from typing import Any
 
 import click
@@ -20,6 +23,11 @@ from bondgraph.fitting.simulate import Solution, SolveStatus, simulate
 from bondgraph.recordings.names import join_header
 from bondgraph.reporting.diagnosis_json import json_value
 from bondgraph.reporting.wording import number_words, percent, unit_words
+from bondgraph.simulation.energy_audit import EnergyAudit
+from bondgraph.simulation.events import Event
+
+LISTED_EVENTS = 8
+"""More are counted by kind; all are in the JSON."""
 
 
 @click.command("simulate")
@@ -55,7 +63,7 @@ def command(
     if solution.status is SolveStatus.FAILED:
         raise FitError(
             f"The simulation of {graph.name!r} along {bound.name!r} does not stay "
-            "finite.",
+            f"finite. {solution.reason}".rstrip(),
             (graph.name, bound.name),
             "Simulate shorter stretches with --window SECONDS.",
         )
@@ -64,9 +72,37 @@ def command(
         session.say(f"{name}: simulated minus measured {rmse} {unit_words(unit)} rms")
     share = percent(solution.score.nrmse)
     session.say(f"That is {share} of the standard deviation of what was measured.")
+    session.say(_energy_words(solution.audit))
+    session.say(_event_words(solution.events))
+    if solution.reason:  # of a run with accounts, where the one without them went on
+        session.say(solution.reason)
     if output is not None:
         session.write(output, _csv(solution))
     session.deliver(json_file, _plain(solution))
+
+
+def _energy_words(audit: EnergyAudit) -> str:
+    """Return where the energy went, in a sentence."""
+    parts = [("supplied", audit.supplied), ("exchanged", audit.exchanged)]
+    came = [f"{number_words(x)} J {what}" for what, x in parts if x or what[0] == "s"]
+    gone = f"{number_words(audit.dissipated)} J dissipated"
+    kept = f"{number_words(audit.stored)} J more stored"
+    balance = (
+        "an exchange has no formula, so the balance cannot be checked"
+        if math.isnan(audit.relative)
+        else f"the balance closes to {number_words(audit.relative, 2)} of what flowed"
+    )
+    return f"Energy: {', '.join([*came, gone, kept])}; {balance}."
+
+
+def _event_words(events: tuple[Event, ...]) -> str:
+    """Return the events: each while they are few, else how many of each kind."""
+    if len(events) > LISTED_EVENTS:
+        counts = Counter((event.place, event.kind.value) for event in events)
+        told = [f"{place} {kind} {n} times" for (place, kind), n in counts.items()]
+    else:
+        told = [f"{e.place} {e.kind.value} at {e.time:.4g} s" for e in events]
+    return f"Events: {', '.join(told) or 'none'}."
 
 
 def _csv(solution: Solution) -> str:
@@ -87,5 +123,13 @@ def _plain(solution: Solution) -> dict[str, Any]:
         "status": solution.status.name.lower(),
         "nrmse": json_value(solution.score.nrmse),
         "rmse": json_value(solution.score.rmse),
+        "reason": solution.reason,
+        "energy": {
+            name: json_value(value) for name, value in asdict(solution.audit).items()
+        },
+        "events": [
+            {"time": json_value(e.time), "place": e.place, "kind": e.kind.name.lower()}
+            for e in solution.events
+        ],
         "units": dict(zip(solution.output_names, solution.output_units, strict=True)),
     }

@@ -10,10 +10,14 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.estimate import Settings, fit_model, score
+from bondgraph.fitting.estimate import FittedModel, Settings, fit_model, score
 from bondgraph.fitting.horizon import WholeRecordings
 from bondgraph.fitting.result import Score
+from bondgraph.numeric.audited_model import audited_model
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.simulation.energy_audit import EnergyAudit, together
+from bondgraph.simulation.events import Event
+from bondgraph.simulation.run import Run, simulate_audited
 from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
@@ -39,6 +43,9 @@ class Solution:
         are left out. Simulated values are nan where the simulation failed.
     score
         How far the two are apart.
+    runs
+        One per stretch that was simulated from its own initial state (one for a whole
+        recording), with its states, energy audit and events.
     """
 
     status: SolveStatus
@@ -49,6 +56,23 @@ class Solution:
     measured: Array
     simulated: Array
     score: Score
+    runs: tuple[Run, ...]
+
+    @property
+    def audit(self) -> EnergyAudit:
+        """The energy balance of all stretches together."""
+        return together([run.audit for run in self.runs])
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """Stick, slip, contact and release, in order of time."""
+        found = [event for run in self.runs for event in run.events]
+        return tuple(sorted(found, key=lambda event: event.time))
+
+    @property
+    def reason(self) -> str:
+        """Where and why the first stretch stopped that did not run to its end."""
+        return next((run.reason for run in self.runs if run.reason), "")
 
 
 def simulate(
@@ -92,4 +116,24 @@ def simulate(
         measured=shots.outputs,
         simulated=shots.outputs - residuals,
         score=score(model, shots, residuals),
+        runs=_runs(ran),
+    )
+
+
+def _runs(ran: FittedModel) -> tuple[Run, ...]:
+    """Run every stretch once more from its settled state, with its accounts."""
+    problem = ran.problem
+    model, shots = problem.model, problem.shots
+    audited = audited_model(ran.graph)
+    return tuple(
+        simulate_audited(
+            ran.graph,
+            audited,
+            shots.time[rows],
+            inputs=dict(zip(model.input_names, shots.inputs[rows].T, strict=True)),
+            initial=dict(zip(model.state_names, map(float, start), strict=True)),
+            solver=problem.solver,
+            hold=problem.hold,
+        )
+        for rows, start in zip(shots.slices, ran.optimum.initial, strict=True)
     )

@@ -1,5 +1,6 @@
 """The energy audit of a simulation: what came in is stored or dissipated."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,4 +60,18 @@ def audit_of(accounts: Array, stored: Array, *, closed: bool) -> EnergyAudit:
         supplied=float(supplied),
         exchanged=float(exchanged),
         relative=float(relative) if closed else float("nan"),
+    )
+
+
+def together(audits: Sequence[EnergyAudit]) -> EnergyAudit:
+    """Return the audit of several runs: sums, and the worst of the relative balances.
+
+    That is nan where one of them is.
+    """
+    return EnergyAudit(
+        stored=sum(one.stored for one in audits),
+        dissipated=sum(one.dissipated for one in audits),
+        supplied=sum(one.supplied for one in audits),
+        exchanged=sum(one.exchanged for one in audits),
+        relative=float(np.max([one.relative for one in audits], initial=0.0)),
     )

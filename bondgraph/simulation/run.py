@@ -110,7 +110,30 @@ def simulate_inputs(
     ParameterError
         If a parameter has no value.
     """
-    audited = audited_model(graph)
+    return simulate_audited(
+        graph,
+        audited_model(graph),
+        time,
+        inputs=inputs,
+        initial=initial,
+        solver=solver,
+        hold=hold,
+        estimate_error=estimate_error,
+    )
+
+
+def simulate_audited(
+    graph: FinishedGraph,
+    audited: AuditedModel,
+    time: ArrayLike,
+    *,
+    inputs: Mapping[str, ArrayLike | InputFunction] | None = None,
+    initial: Mapping[str, float] | None = None,
+    solver: Solver | Adaptive | None = None,
+    hold: Hold = Hold.FIRST,
+    estimate_error: bool = False,
+) -> Run:
+    """Run a model whose accounts are made already, as `simulate_inputs` does."""
     grid = np.asarray(time, float)
     if grid.ndim != 1 or len(grid) < 1 or np.any(np.diff(grid) <= 0.0):
         raise EquationError(
