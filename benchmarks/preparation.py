@@ -10,9 +10,9 @@ import numpy as np
 
 from benchmarks.measuring import print_machine, print_table, seconds, stopwatch
 from bondgraph import BondGraph, C, I, R, Se, assign_causality, derive
-from bondgraph.numeric import native_model
 from bondgraph.numeric.model import NumericModel, compile_model
-from bondgraph.numeric.native import compiled_text
+from bondgraph.numeric.native import model as native_model
+from bondgraph.numeric.native.compiling import compiled_text
 from bondgraph.simulation.engines import Engine, Interpreted, Native
 from bondgraph.simulation.shooting import Shots, shoot
 from bondgraph.simulation.solvers import Hold, Sdirk2

@@ -12,7 +12,7 @@ from sympy import symbols
 from bondgraph import BondGraph, C, I, R, Sdirk2, Se, derive, e, f, q
 from bondgraph.errors import EquationError, ParameterError, RecordingError
 from bondgraph.numeric.model import compile_model
-from bondgraph.numeric.native import compiled_text, module_text, values_of
+from bondgraph.numeric.native.compiling import compiled_text, module_text, values_of
 from bondgraph.numeric.tape import record_tape
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.batch import SetStatus, simulate_batch

@@ -10,11 +10,15 @@ from sympy import symbols
 
 from bondgraph import BondGraph, C, I, R, Sdirk2, Sdirk3, Se, Sf, derive, e, f, q, t
 from bondgraph.errors import EquationError
-from bondgraph.numeric.compiled_cache import discard_stale
-from bondgraph.numeric.machine import run
+from bondgraph.numeric.kernel.machine import run
 from bondgraph.numeric.model import compile_model
-from bondgraph.numeric.native import compiled_text, module_text, slopes_of, values_of
-from bondgraph.numeric.native_calls import call_slopes, call_values
+from bondgraph.numeric.native.calls import call_slopes, call_values
+from bondgraph.numeric.native.compiling import (
+    compiled_text,
+    module_text,
+    slopes_of,
+    values_of,
+)
 from bondgraph.numeric.tape import record_tape
 from bondgraph.simulation.engines import Interpreted, Native, WhenItPays
 from bondgraph.simulation.shooting import Shots, shoot
@@ -320,21 +324,3 @@ def test_a_model_that_runs_away_is_not_completed_by_any_engine():
             engine=engine,
         )
         assert shot.completed.tolist() == [False]
-
-
-def test_compiled_loops_go_when_any_source_of_theirs_changes(tmp_path):
-    source, cache = tmp_path / "loop.py", tmp_path / "__pycache__"
-    source.write_text("from numba import njit\n")
-    (tmp_path / "called.py").write_text("from numba import njit\n")
-    cache.mkdir()
-    index = cache / "loop.integrate-3.py311.nbi"
-    index.write_bytes(b"old")
-    assert discard_stale(tmp_path)
-    assert not index.exists()
-    index.write_bytes(b"new")
-    (tmp_path / "apart.py").write_text("b = 2\n")
-    assert not discard_stale(tmp_path)
-    assert index.exists()
-    (tmp_path / "called.py").write_text("from numba import prange\n")
-    assert discard_stale(tmp_path)
-    assert not index.exists()

@@ -138,7 +138,9 @@ def _weighed(joined: _Joined, here: _Point) -> _Joined:
 
 def _point(joined: _Joined, theta: Array, states: Array) -> _Point:
     """Simulate all windows and form the normal equations and the gaps."""
-    from bondgraph.numeric.kernel import normal_blocks  # noqa: PLC0415  (loads numba)
+    from bondgraph.numeric.compiled.normal_equations import (  # noqa: PLC0415  (numba)
+        normal_blocks,
+    )
 
     problem, nx = joined.problem, len(joined.scale)
     ny = len(problem.sigma) - nx

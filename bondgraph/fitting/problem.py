@@ -187,7 +187,9 @@ def linearise_windows(
     problem: FitProblem, theta: Array, initial: Array
 ) -> Linearisation:
     """Simulate all windows with sensitivities and form the normal equations."""
-    from bondgraph.numeric.kernel import normal_blocks  # noqa: PLC0415  (loads numba)
+    from bondgraph.numeric.compiled.normal_equations import (  # noqa: PLC0415  (numba)
+        normal_blocks,
+    )
 
     shots, model = problem.shots, problem.model
     count, nd = shots.n_windows, len(problem.free) + model.n_states

@@ -120,7 +120,7 @@ def _swept(
     tape: Tape, variables: Array, ray: Array, column: Integers
 ) -> tuple[Array, Matrix, bool]:
     """Return values and slopes of a tape's results, and whether a kink was met."""
-    from bondgraph.numeric.slopes import gathered, partials, rows  # noqa: PLC0415
+    from bondgraph.numeric.kernel.slopes import gathered, partials, rows  # noqa: PLC0415
 
     first = tape.n_variables + len(tape.constants)
     v, tangent = np.zeros(tape.n_slots), np.zeros(tape.n_slots)

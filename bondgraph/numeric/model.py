@@ -136,7 +136,7 @@ def evaluate(tape: Tape, variables: Array, directions: Array) -> tuple[Array, Ar
     values, tangents
         Of the tape's results, shapes (m,) and (m, n).
     """
-    from bondgraph.numeric.machine import run  # noqa: PLC0415  (loads numba)
+    from bondgraph.numeric.kernel.machine import run  # noqa: PLC0415  (loads numba)
 
     n = directions.shape[1]
     first = tape.n_variables + len(tape.constants)

@@ -146,8 +146,8 @@ def _in_lanes(
     hold: Hold,
 ) -> _Some:
     """Return what simulates the sets ``first … last - 1`` in vector code."""
-    from bondgraph.numeric.lanes import LANES, integrate_lanes  # noqa: PLC0415  (numba)
-    from bondgraph.numeric.native_model import native_model  # noqa: PLC0415  (LLVM)
+    from bondgraph.numeric.native.lanes import LANES, integrate_lanes  # noqa: PLC0415  (numba)
+    from bondgraph.numeric.native.model import native_model  # noqa: PLC0415  (LLVM)
 
     refuse_implicit(model)
     native = native_model(model, sensitive=False, explicit=True, lanes=LANES)

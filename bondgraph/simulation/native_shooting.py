@@ -59,7 +59,7 @@ def run_native(
     EquationError
         If an explicit method is asked for a model whose rates are only implicit.
     """
-    from bondgraph.numeric.native_model import native_model  # noqa: PLC0415  (LLVM)
+    from bondgraph.numeric.native.model import native_model  # noqa: PLC0415  (LLVM)
 
     explicit = isinstance(solver, RungeKutta4)
     if explicit:
@@ -78,7 +78,7 @@ def run_native(
     filled = (run.outputs, run.sensitivities, run.states, windows.edges)
     simulate: Callable[[int, int], None]
     if isinstance(solver, RungeKutta4):
-        from bondgraph.numeric.native_windows import explicit_windows  # noqa: PLC0415
+        from bondgraph.numeric.native.windows import explicit_windows  # noqa: PLC0415
 
         def simulate(first: int, last: int) -> None:
             explicit_windows(
@@ -86,8 +86,8 @@ def run_native(
                 first, last, run.done,
             )  # fmt: skip
     else:
-        from bondgraph.numeric.native_implicit import Tableau  # noqa: PLC0415
-        from bondgraph.numeric.native_windows import implicit_windows  # noqa: PLC0415
+        from bondgraph.numeric.native.implicit import Tableau  # noqa: PLC0415
+        from bondgraph.numeric.native.windows import implicit_windows  # noqa: PLC0415
 
         method = Tableau(*solver.tableau, solver.substeps, zero_hold)
 
@@ -118,7 +118,7 @@ def _share(simulate: Callable[[int, int], None], windows: int, samples: int) -> 
 
 def refuse_implicit(model: NumericModel) -> None:
     """Refuse a model that an explicit method cannot step; says why."""
-    from bondgraph.numeric.native_model import is_explicit  # noqa: PLC0415  (LLVM)
+    from bondgraph.numeric.native.model import is_explicit  # noqa: PLC0415  (LLVM)
 
     if model.set_valued is not None:
         raise EquationError(

@@ -17,7 +17,7 @@ from bondgraph.simulation.solvers import Hold, RungeKutta4, Solver
 from bondgraph.simulation.trouble import CODES, RunStatus, Trouble, unknown_names
 
 if TYPE_CHECKING:
-    from bondgraph.numeric.native_friction import Fast
+    from bondgraph.numeric.kernel.native_steps import Fast
 
 Array = NDArray[np.float64]
 THREADS = 2
@@ -145,12 +145,12 @@ def shoot(
             troubles = _troubles(model, shots, run.outputs, run.done, None)
             fine = np.array([trouble is None for trouble in troubles])
             return Shooting(run.outputs, run.states, run.sensitivities, fine, troubles)
-    from bondgraph.numeric.kernel import (  # noqa: PLC0415  (loads numba)
+    from bondgraph.numeric.kernel.method import Method  # noqa: PLC0415
+    from bondgraph.numeric.kernel.stage_arrays import System  # noqa: PLC0415
+    from bondgraph.numeric.kernel.windows import (  # noqa: PLC0415  (loads numba)
         Results,
         integrate_windows,
     )
-    from bondgraph.numeric.stage_arrays import System  # noqa: PLC0415
-    from bondgraph.numeric.stepping import Method  # noqa: PLC0415
 
     n, nx, ny = len(shots.time), model.n_states, len(model.output_names)
     wanted = np.zeros(0, np.int64) if directions is None else directions
@@ -211,13 +211,13 @@ def _fast(
     model: NumericModel, engine: Engine, samples: int, *, sensitive: bool
 ) -> tuple["Fast", object]:
     """Return native code of a model with held modes, and what keeps it alive."""
-    from bondgraph.numeric.native import (  # noqa: PLC0415  (LLVM)
+    from bondgraph.numeric.kernel.native_steps import Fast  # noqa: PLC0415
+    from bondgraph.numeric.native.compiling import (  # noqa: PLC0415  (LLVM)
         compiled_text,
         module_text,
         values_of,
     )
-    from bondgraph.numeric.native_friction import Fast  # noqa: PLC0415
-    from bondgraph.numeric.native_model import (  # noqa: PLC0415
+    from bondgraph.numeric.native.model import (  # noqa: PLC0415
         NativeSystem,
         native_model,
     )

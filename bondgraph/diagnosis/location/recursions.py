@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from bondgraph.numeric.machine import Array, Integers, compiled
+from bondgraph.numeric.compiled.loops import Array, Integers, compiled
 
 
 @compiled

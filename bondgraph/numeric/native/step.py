@@ -8,7 +8,7 @@ one loop over the directions.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bondgraph.numeric.native_code import Assembly, Function, Row, Writer
+from bondgraph.numeric.native.code import Assembly, Function, Row, Writer
 from bondgraph.numeric.tape import Tape
 
 NODES = (0.0, 0.5, 0.5, 1.0)

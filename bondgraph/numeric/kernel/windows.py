@@ -9,25 +9,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bondgraph.numeric.machine import Array, Integers, compiled, inlined, lean, run
-from bondgraph.numeric.native_friction import (
+from bondgraph.numeric.compiled.loops import Array, Integers, compiled, inlined, lean
+from bondgraph.numeric.kernel.events import GLANCE
+from bondgraph.numeric.kernel.machine import run
+from bondgraph.numeric.kernel.method import Drive, Method, Steps, make_steps, set_inputs
+from bondgraph.numeric.kernel.native_steps import (
     Fast,
     hand_over,
     make_fast_work,
     try_read,
     try_step,
 )
-from bondgraph.numeric.stage import solve_stage, stage_sensitivity
-from bondgraph.numeric.stage_arrays import System, Work, make_work
-from bondgraph.numeric.stepping import (
-    GLANCE,
-    Drive,
-    Method,
-    Steps,
-    advance,
-    make_steps,
-    set_inputs,
-)
+from bondgraph.numeric.kernel.stage import solve_stage, stage_sensitivity
+from bondgraph.numeric.kernel.stage_arrays import System, Work, make_work
+from bondgraph.numeric.kernel.stepping import advance
 
 
 class Results(NamedTuple):
@@ -195,24 +190,3 @@ def integrate_windows(
             system, fast, method, constants, output_constants, parameters, directions,
             time[a:b], u[a:b], x0[window], part,
         )  # fmt: skip
-
-
-@lean
-def normal_blocks(
-    jacobian: Array, residual: Array, edges: Integers, h: Array, g: Array, cost: Array
-) -> None:
-    """Write JᵀJ, Jᵀr and rᵀr of every window; J is (n, ny, nd), r is (n, ny)."""
-    ny, nd = jacobian.shape[1], jacobian.shape[2]
-    for window in range(len(edges) - 1):
-        for row in range(edges[window], edges[window + 1]):
-            for j in range(ny):
-                r = residual[row, j]
-                cost[window] += r * r
-                for k in range(nd):
-                    slope = jacobian[row, j, k]
-                    g[window, k] += slope * r
-                    for m in range(k + 1):
-                        h[window, k, m] += slope * jacobian[row, j, m]
-        for k in range(nd):
-            for m in range(k):
-                h[window, m, k] = h[window, k, m]

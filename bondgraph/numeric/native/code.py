@@ -2,7 +2,7 @@
 
 Each operation becomes one or a few instructions; what is known to be zero is not
 written. The same text serves one double or a vector of them, one per lane. The meaning
-of every operation is that of `bondgraph.numeric.machine`, to rounding.
+of every operation is that of `bondgraph.numeric.kernel.machine`, to rounding.
 """
 
 import struct

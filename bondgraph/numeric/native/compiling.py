@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from bondgraph.numeric.native_code import Assembly, Function, Writer
-from bondgraph.numeric.native_functions import declarations
+from bondgraph.numeric.native.code import Assembly, Function, Writer
+from bondgraph.numeric.native.functions import declarations
 from bondgraph.numeric.tape import Tape
 
 KEPT = 256

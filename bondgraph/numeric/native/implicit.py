@@ -1,6 +1,6 @@
 """A diagonally implicit Runge-Kutta method over one window, in native code.
 
-The same steps as `bondgraph.numeric.kernel` takes on a tape, with the same
+The same steps as `bondgraph.numeric.kernel.windows` takes on a tape, with the same
 sensitivities: those of the discrete solution.
 """
 
@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bondgraph.numeric.machine import Array, Integers, compiled, inlined, lean
-from bondgraph.numeric.native_model import NativeSystem
-from bondgraph.numeric.native_samples import read_outputs, variables
-from bondgraph.numeric.native_stage import Stage, differentiate, make_stage, solve
+from bondgraph.numeric.compiled.loops import Array, Integers, compiled, inlined, lean
+from bondgraph.numeric.native.model import NativeSystem
+from bondgraph.numeric.native.samples import read_outputs, variables
+from bondgraph.numeric.native.stage import Stage, differentiate, make_stage, solve
 
 
 class Tableau(NamedTuple):

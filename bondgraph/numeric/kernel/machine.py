@@ -6,34 +6,8 @@ models never compile. The numbers are those of `bondgraph.numeric.tape.Op`.
 """
 
 import math
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any, TypeVar
 
-import numpy as np
-from numba import njit
-from numpy.typing import NDArray
-
-from bondgraph.numeric.compiled_cache import discard_stale
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
-
-discard_stale(Path(__file__).parent)
-
-Function = TypeVar("Function", bound=Callable[..., Any])
-# numba counts references to every array at every call, which costs more than small
-# loops do; it leaves that out where nothing is allocated.
-_UNCOUNTED: dict[str, Any] = {
-    **{"cache": True, "nogil": True, "error_model": "numpy"},
-    "_nrt": False,
-}
-
-compiled = njit(cache=True, nogil=True, error_model="numpy")
-lean: Callable[[Function], Function] = njit(**_UNCOUNTED)
-"""For functions that allocate nothing."""
-inlined: Callable[[Function], Function] = njit(forceinline=True, **_UNCOUNTED)
-"""For small ones of them, written out where they are called."""
+from bondgraph.numeric.compiled.loops import Array, Integers, compiled
 
 
 @compiled

@@ -1,6 +1,6 @@
 """Small dense linear systems, compiled: LU with partial pivoting, in place."""
 
-from bondgraph.numeric.machine import Array, Integers, lean
+from bondgraph.numeric.compiled.loops import Array, Integers, lean
 
 SINGULAR = 1e-300
 

@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Callable, Collection, Sequence
 
-from bondgraph.numeric.native_code import Assembly
+from bondgraph.numeric.native.code import Assembly
 
 _ROUND = 1.5 * 2.0**52
 """Adding this leaves the rounded number in the lowest bits."""

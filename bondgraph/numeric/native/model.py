@@ -7,14 +7,14 @@ from typing import NamedTuple
 import numpy as np
 
 from bondgraph.numeric.model import NumericModel
-from bondgraph.numeric.native import (
+from bondgraph.numeric.native.compiling import (
     NativeCode,
     compiled_text,
     module_text,
     slopes_of,
     values_of,
 )
-from bondgraph.numeric.native_step import Sizes, step, step_tangents
+from bondgraph.numeric.native.step import Sizes, step, step_tangents
 from bondgraph.numeric.tape import Tape, degrees
 
 

@@ -13,9 +13,9 @@ stick, the Jacobian (never the residual) is shifted a little: each Newton step t
 changes the λ no more than it must.
 """
 
-from bondgraph.numeric.linear_solve import substitute
-from bondgraph.numeric.machine import inlined, lean
-from bondgraph.numeric.stage_arrays import IDLE, STICKS, UNKNOWN, System, Work
+from bondgraph.numeric.compiled.linear_solve import substitute
+from bondgraph.numeric.compiled.loops import inlined, lean
+from bondgraph.numeric.kernel.stage_arrays import IDLE, STICKS, UNKNOWN, System, Work
 
 SLACK = 1e-9
 """How far beyond 1 a sticking |λ| may be, relative; and a slipping g beyond zero."""

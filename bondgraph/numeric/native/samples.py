@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from bondgraph.numeric.machine import Array, Integers, compiled, inlined
-from bondgraph.numeric.native_calls import call_slopes, call_values
-from bondgraph.numeric.native_model import NativeSystem
+from bondgraph.numeric.compiled.loops import Array, Integers, compiled, inlined
+from bondgraph.numeric.native.calls import call_slopes, call_values
+from bondgraph.numeric.native.model import NativeSystem
 
 
 @compiled

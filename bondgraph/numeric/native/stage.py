@@ -2,7 +2,7 @@
 
 First the factors of an earlier stage are used as they are; while that contracts well,
 an iteration costs one evaluation. Where it does not, Newton starts again from the same
-point with exact Jacobians and the damping of `bondgraph.numeric.stage`.
+point with exact Jacobians and the damping of `bondgraph.numeric.kernel.stage`.
 """
 
 import math
@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bondgraph.numeric.linear_solve import factor, substitute
-from bondgraph.numeric.machine import Array, Integers, compiled, inlined
-from bondgraph.numeric.native_calls import call_slopes, call_values
-from bondgraph.numeric.native_model import NativeSystem
+from bondgraph.numeric.compiled.linear_solve import factor, substitute
+from bondgraph.numeric.compiled.loops import Array, Integers, compiled, inlined
+from bondgraph.numeric.native.calls import call_slopes, call_values
+from bondgraph.numeric.native.model import NativeSystem
 
 ITERATIONS = 40
 TOLERANCE = 1e-7  # of the last Newton step; the error left is about its square

@@ -1,9 +1,9 @@
 """Many windows in native code, one after another, each from its own initial state."""
 
-from bondgraph.numeric.explicit import integrate_explicit
-from bondgraph.numeric.machine import Array, Integers, compiled
-from bondgraph.numeric.native_implicit import Tableau, integrate_implicit
-from bondgraph.numeric.native_model import NativeSystem
+from bondgraph.numeric.compiled.loops import Array, Integers, compiled
+from bondgraph.numeric.native.explicit import integrate_explicit
+from bondgraph.numeric.native.implicit import Tableau, integrate_implicit
+from bondgraph.numeric.native.model import NativeSystem
 
 
 @compiled

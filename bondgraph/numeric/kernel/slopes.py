@@ -16,7 +16,8 @@ import math
 
 import numpy as np
 
-from bondgraph.numeric.machine import Array, Integers, compiled, truth, unary
+from bondgraph.numeric.compiled.loops import Array, Integers, compiled
+from bondgraph.numeric.kernel.machine import truth, unary
 
 # The numbers are those of `bondgraph.numeric.tape.Op`.
 
@@ -39,7 +40,7 @@ def _below(x: float, y: float, dx: float, dy: float, strict: bool) -> bool:
 
 
 @compiled
-def partials(  # noqa: C901, PLR0912, PLR0915  (a branch per operation)
+def partials(
     code: Integers, first: int, v: Array, ray: Array, reads: Integers, slopes: Array
 ) -> bool:
     """Run the tape on values `v` and tangents `ray`, one per slot, in place.

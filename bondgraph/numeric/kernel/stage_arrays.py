@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.numeric.machine import Array, Integers, compiled
+from bondgraph.numeric.compiled.loops import Array, Integers, compiled
 
 Flags = NDArray[np.bool_]
 
@@ -48,10 +48,9 @@ class Work(NamedTuple):
     tangents along parameters and initial states; ``lu``, ``pivot`` the factored dr/dw;
     ``sensitivity`` dw along parameters and initial states; ``weight`` sizes of w.
 
-    Of dry friction: ``mode`` (see `bondgraph.numeric.friction_modes`), whether modes
-    are ``held``, ``argument`` g
-    at the solution, ``compliance`` -dg/dλ per second of step. ``trouble`` says why the
-    last stage failed and which unknown changed most.
+    Of dry friction: ``mode`` (see `bondgraph.numeric.kernel.friction_modes`), whether
+    modes are ``held``, ``argument`` g at the solution, ``compliance`` -dg/dλ per second
+    of step. ``trouble`` says why the last stage failed and which unknown changed most.
     """
 
     v: Array

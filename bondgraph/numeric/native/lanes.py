@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from bondgraph.numeric.machine import Array, Integers, compiled, lean
-from bondgraph.numeric.native_calls import call_values
-from bondgraph.numeric.native_model import NativeSystem
+from bondgraph.numeric.compiled.loops import Array, Integers, compiled, lean
+from bondgraph.numeric.native.calls import call_values
+from bondgraph.numeric.native.model import NativeSystem
 
 LANES = 8
 """Parameter sets per run: two AVX2 registers, or one of AVX-512."""

@@ -5,13 +5,16 @@ Jacobian, would not be shorter (the affine-invariant test of Deuflhard, *Newton 
 for Nonlinear Problems*, 2004, section 3.1), which is what sharp friction needs.
 
 Set-valued friction adds unknowns λ to z, each with an equation that its mode chooses
-(`bondgraph.numeric.friction_modes`); Newton with a change of modes between its steps is
-a semi-smooth Newton method, and for a linear model it ends after finitely many.
+(`bondgraph.numeric.kernel.friction_modes`); Newton with a change of modes between its
+steps is a semi-smooth Newton method, and for a linear model it ends after finitely
+many.
 """
 
 import math
 
-from bondgraph.numeric.friction_modes import (
+from bondgraph.numeric.compiled.linear_solve import factor, substitute
+from bondgraph.numeric.compiled.loops import Array, inlined, lean
+from bondgraph.numeric.kernel.friction_modes import (
     begin,
     predict_arguments,
     put_friction_residual,
@@ -20,9 +23,8 @@ from bondgraph.numeric.friction_modes import (
     several_stick,
     switch_modes,
 )
-from bondgraph.numeric.linear_solve import factor, substitute
-from bondgraph.numeric.machine import Array, inlined, lean, run
-from bondgraph.numeric.stage_arrays import STICKS, System, Work
+from bondgraph.numeric.kernel.machine import run
+from bondgraph.numeric.kernel.stage_arrays import STICKS, System, Work
 
 ITERATIONS = 40
 TOLERANCE = 1e-7  # of the last Newton step; the error left is about its square

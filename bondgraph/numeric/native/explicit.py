@@ -7,14 +7,14 @@ import math
 
 import numpy as np
 
-from bondgraph.numeric.machine import Array, Integers, compiled
-from bondgraph.numeric.native_calls import (
+from bondgraph.numeric.compiled.loops import Array, Integers, compiled
+from bondgraph.numeric.native.calls import (
     call_along,
     call_slopes,
     call_values,
 )
-from bondgraph.numeric.native_model import NativeSystem
-from bondgraph.numeric.native_samples import read_outputs, variables
+from bondgraph.numeric.native.model import NativeSystem
+from bondgraph.numeric.native.samples import read_outputs, variables
 
 
 @compiled

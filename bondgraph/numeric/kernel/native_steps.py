@@ -2,22 +2,17 @@
 
 With its modes held such a model is an ordinary one: what selects the equation of each λ
 is a parameter (`SetValuedForm.held`). So a step is tried in native code; where it ends
-with modes that do not fit, it is left to `bondgraph.numeric.stepping`, which finds the
-event and the modes after it.
+with modes that do not fit, it is left to `bondgraph.numeric.kernel.stepping`, which
+finds the event and the modes after it.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from bondgraph.numeric.friction_modes import SLACK
-from bondgraph.numeric.machine import Array, Integers, compiled, inlined, lean
-from bondgraph.numeric.native_calls import call_values
-from bondgraph.numeric.native_model import NativeSystem
-from bondgraph.numeric.native_samples import read_outputs, variables
-from bondgraph.numeric.native_stage import Stage, differentiate, make_stage, solve
-from bondgraph.numeric.stage_arrays import STICKS, System, Work
-from bondgraph.numeric.stepping import (
+from bondgraph.numeric.compiled.loops import Array, Integers, compiled, inlined, lean
+from bondgraph.numeric.kernel.friction_modes import SLACK
+from bondgraph.numeric.kernel.method import (
     Drive,
     Method,
     Steps,
@@ -25,6 +20,11 @@ from bondgraph.numeric.stepping import (
     stage_base,
     sum_stages,
 )
+from bondgraph.numeric.kernel.stage_arrays import STICKS, System, Work
+from bondgraph.numeric.native.calls import call_values
+from bondgraph.numeric.native.model import NativeSystem
+from bondgraph.numeric.native.samples import read_outputs, variables
+from bondgraph.numeric.native.stage import Stage, differentiate, make_stage, solve
 
 
 class Fast(NamedTuple):
