@@ -48,7 +48,7 @@ SPLIT = 0.6
     help="Keep what is worked out in this directory, and go on from what is there.",
 )
 @work_options
-@fit_options(window="auto")
+@fit_options(window="auto", either=True)
 @recording_options
 @json_option
 @click.pass_obj
@@ -65,6 +65,7 @@ def command(
     settings: Settings,
     reading: Reading,
     resume: Path | None,
+    either_hold: bool,
     where: Where,
     json_file: str | None,
 ) -> None:
@@ -101,6 +102,7 @@ def command(
         json_file=json_file,
         where=where,
         resume=resume,
+        either_hold=either_hold,
     )
 
 

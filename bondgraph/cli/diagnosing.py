@@ -46,6 +46,7 @@ def answer(
     json_file: str | None,
     where: Where | None = None,
     resume: Path | None = None,
+    either_hold: bool = False,
 ) -> Diagnosis:
     """Diagnose, print the answer, and write the report page and the JSON."""
     with session.progress() as progress:
@@ -53,7 +54,12 @@ def answer(
             graph,
             training,
             held_out=held_out,
-            options=Options(settings=settings, where=where or Here(), resume=resume),
+            options=Options(
+                settings=settings,
+                where=where or Here(),
+                resume=resume,
+                either_hold=either_hold,
+            ),
             progress=progress,
         )
     session.say("\n".join(_told(diagnosis)))

@@ -44,29 +44,36 @@ def _horizon(ctx: click.Context, param: click.Parameter, value: str) -> Horizon:
     return Seconds(seconds)
 
 
-def fit_options(*, window: str) -> Callable[[F], F]:
+def fit_options(*, window: str, either: bool = False) -> Callable[[F], F]:
     """Add ``--window`` and ``--hold``; the command gets them as ``settings``.
 
     Parameters
     ----------
     window
         The default of ``--window``.
+    either
+        Whether ``--hold auto`` is offered and the default; the command then gets
+        ``either_hold`` as well.
     """
+    holds = [*(["auto"] if either else []), *_HOLDS]
 
     def add(command: F) -> F:
         @wraps(command)
         def with_settings(
             *args: Any, horizon: Horizon, hold: str, **options: Any
         ) -> Any:
-            settings = Settings(horizon=horizon, hold=_HOLDS[hold])
+            settings = Settings(horizon=horizon, hold=_HOLDS.get(hold, Hold.FIRST))
+            if either:
+                options["either_hold"] = hold == "auto"
             return command(*args, settings=settings, **options)
 
         with_hold = click.option(
             "--hold",
-            type=click.Choice(list(_HOLDS)),
-            default="first",
+            type=click.Choice(holds),
+            default="auto" if either else "first",
             show_default=True,
-            help="Inputs between samples: held (zero) or straight lines (first).",
+            help="Inputs between samples: held (zero), straight lines (first)"
+            + (", or as fits the model better (auto)." if either else "."),
         )(with_settings)
         return click.option(  # type: ignore[return-value]
             "--window",

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from bondgraph.diagnosis.adequacy.adequacy import adequacy
+from bondgraph.diagnosis.adequacy.records import Adequacy
 from bondgraph.diagnosis.decision import Judged, alternatives_to, clearly_better
 from bondgraph.diagnosis.records import (
     Comparison,
@@ -23,6 +25,7 @@ from bondgraph.diagnosis.verdict import noise_floor, verdict_of, with_values
 from bondgraph.diagnosis.wording import finding_statement, name_of, next_experiment
 from bondgraph.fitting.estimate import FittedModel, fit_model, report
 from bondgraph.fitting.result import FitResult
+from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
 
@@ -40,8 +43,17 @@ def answer(
     before, after = report(base, graph, recordings), report(final, graph, recordings)
     accepted = _accepted(rounds)
     findings, others = _findings(accepted, after, held_out, options)
+    trained = _comparison(base, final, recordings)
+    remaining = _remaining(accepted, floor)
+    if not trained.after.nrmse < trained.before.nrmse:
+        remaining = max(remaining, 1.0)
     verdict, statement = verdict_of(
-        findings, base, floor, rounds[0], _remaining(accepted, floor)
+        findings,
+        base,
+        floor,
+        rounds[0],
+        remaining,
+        _checked(base, recordings, accepted),
     )
     wrong = contradicted(graph, after.estimates)
     if wrong:
@@ -56,7 +68,7 @@ def answer(
         verdict=verdict,
         statement=statement,
         findings=(*findings, *wrong),
-        train=_comparison(base, final, recordings),
+        train=trained,
         held_out=_comparison(base, final, held_out),
         noise_floor=floor,
         false_alarm_probability=options.rule.false_alarm_probability,
@@ -84,6 +96,16 @@ def _accepted(rounds: Sequence[Round]) -> list[Round]:
     ]
 
 
+def _checked(
+    base: FittedModel, recordings: Sequence[BoundRecording], accepted: Sequence[Round]
+) -> Adequacy | None:
+    """Return whether the base model leaves more than noise, where nothing was found."""
+    steady = any(recording.steady for recording in recordings)
+    if accepted or steady or not base.problem.model.n_states:
+        return None
+    return adequacy(base, recordings)
+
+
 def _delivered(
     final: FittedModel,
     recordings: Sequence[BoundRecording],
@@ -92,7 +114,12 @@ def _delivered(
 ) -> FitResult:
     """Return the final model refitted on everything recorded, to be used from here."""
     everything = (*recordings, *held_out)
-    settings = replace(options.settings, horizon=final.horizon)
+    settings = replace(
+        options.settings,
+        horizon=final.horizon,
+        solver=final.problem.solver,
+        hold=final.problem.hold,
+    )
     graph = final.graph.with_parameters(final.values)
     return report(fit_model(graph, everything, settings), final.graph, everything)
 
@@ -236,8 +263,7 @@ def _notes(
         for rejected in found.rejected:
             hypothesis = rejected.hypothesis
             notes.append(
-                f"{hypothesis.physics} at {hypothesis.place} was not tried: "
-                f"{rejected.reason}"
+                f"{_sentence_start(hypothesis)} was left aside: {rejected.reason}"
             )
         notes += [
             f"{h.physics} at {h.place} was added first and taken out again: beside "
@@ -253,7 +279,7 @@ def _notes(
     return tuple(dict.fromkeys(notes))
 
 
-def _sentence_start(judged: Judged) -> str:
+def _sentence_start(judged: Judged | Hypothesis) -> str:
     name = name_of(judged.physics)
     return f"{name[:1].upper()}{name[1:]} at {judged.place}"
 
@@ -271,7 +297,7 @@ def _provenance(
         "training": [{"name": r.name, "sha256": r.sha256} for r in recordings],
         "held_out": [{"name": r.name, "sha256": r.sha256} for r in held_out],
         "horizon": str(final.horizon),
-        "solver": str(options.settings.solver),
-        "inputs": options.settings.hold.value,
+        "solver": str(final.problem.solver),
+        "inputs": final.problem.hold.value,
         "materiality": options.rule.materiality,
     }

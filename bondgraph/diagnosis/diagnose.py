@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from bondgraph.diagnosis.answer import answer
+from bondgraph.diagnosis.between_samples import finely_stepped, fitted_either_way
 from bondgraph.diagnosis.journal import Journal
 from bondgraph.diagnosis.misreadings import without_misreadings
 from bondgraph.diagnosis.records import Diagnosis
@@ -59,16 +60,19 @@ def diagnose(
     recordings, held_out = read.recordings, kept_back.recordings
     progress("fitting the base model")
     settings = search_settings(graph, recordings, chosen.settings)
-    base = fit_model(graph, recordings, settings)
+    fit = fitted_either_way if chosen.either_hold else fit_model
+    base = fit(graph, recordings, settings)
     if not np.isfinite(base.optimum.cost):
         raise FitError(
             f"{graph.name!r} cannot be simulated at its start values.",
             (graph.name,),
             "Give start values nearer to the machine, or bounds that keep it finite.",
         )
+    noise = excusable(recordings)
+    base = finely_stepped(base, noise)
     journal = Journal(chosen.resume)
     with workshop(chosen.where, journal, progress) as shop:
-        rounds = search(base, excusable(recordings), chosen, shop)
+        rounds = search(base, recordings, noise, chosen, shop)
     final = base
     if rounds[-1].base is not base:
         progress("refitting the improved model")

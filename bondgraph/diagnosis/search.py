@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.bench import Bench
+from bondgraph.diagnosis.between_samples import finely_stepped, restepped
 from bondgraph.diagnosis.candidates import (
     CURVE,
     Promised,
@@ -21,11 +22,14 @@ from bondgraph.diagnosis.candidates import (
     propose_all,
 )
 from bondgraph.diagnosis.decision import Judged, Rule
+from bondgraph.diagnosis.determined import determined
 from bondgraph.diagnosis.evidence import MOST_CHUNKS
 from bondgraph.diagnosis.fits import fit_best
 from bondgraph.diagnosis.judging import judge_all
+from bondgraph.diagnosis.memory import remembering
 from bondgraph.diagnosis.removal import pruned
 from bondgraph.diagnosis.screening import screen
+from bondgraph.diagnosis.showing import simulate_whole
 from bondgraph.diagnosis.workers import Here, Where, Workshop
 from bondgraph.fitting.estimate import (
     FittedModel,
@@ -48,6 +52,9 @@ from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
+SAME = 1.02
+"""Errors within this factor are the same."""
+
 HOPELESS = 0.75
 """A candidate with less than this share of the best reduction is not judged."""
 
@@ -73,6 +80,9 @@ class Options:
     resume
         A directory for the journal of what has been worked out: a diagnosis that was
         interrupted goes on from there. None for no journal.
+    either_hold
+        Whether inputs may behave between samples as suits the base model better,
+        rather than as `settings` say.
     """
 
     settings: Settings = field(default_factory=Settings)
@@ -83,6 +93,7 @@ class Options:
     most_findings: int = 3
     where: Where = field(default_factory=Here)
     resume: Path | None = None
+    either_hold: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +108,7 @@ class Round:
         How many hypotheses were considered.
     judged, promised, rejected
         Candidates judged on left-out data, what every hypothesis promised, and those
-        that could not be tried.
+        that could not be tried or determined.
     chosen
         The one accepted, if any.
     probability
@@ -117,12 +128,18 @@ class Round:
 
 
 def search(
-    base: FittedModel, noise: Array, options: Options, shop: Workshop
+    base: FittedModel,
+    recordings: Sequence[BoundRecording],
+    noise: Array,
+    options: Options,
+    shop: Workshop,
 ) -> list[Round]:
     """Add supported physics piece by piece; the last round has found nothing more.
 
     Parameters
     ----------
+    recordings
+        Those that the base model was fitted to.
     noise
         Residual per output that noise excuses, 0 where it is not known: what lies
         within it is not searched for physics.
@@ -131,15 +148,25 @@ def search(
     current = base
     added: tuple[Hypothesis, ...] = ()
     while True:
-        found = _one_round(current, noise, options, len(rounds) + 1, shop)
+        number = len(rounds) + 1
+        if number > options.most_findings or within(current, noise, options.rule):
+            return [*rounds, Round(current)]
+        found = _one_round(current, recordings, options, number, shop)
         if found.chosen is None:
             return [*rounds, found]
         candidate = found.chosen.candidate
         added = (*added, candidate.hypothesis)
-        shop.progress(f"round {len(rounds) + 1}: trying without what was added before")
+        shop.progress(f"round {number}: trying without what was added before")
         left = pruned(base, candidate.fitted, added, options.rule)
         rounds.append(replace(found, removed=left.removed))
-        current, added = left.fitted, left.kept
+        current, added = finely_stepped(left.fitted, noise), left.kept
+        if current.problem.solver != base.problem.solver:
+            base = restepped(base, current.problem.solver)
+
+
+def within(fitted: FittedModel, noise: Array, rule: Rule) -> bool:
+    """Return whether what a model leaves is too near the noise to be worth a search."""
+    return explainable(fitted, noise) < rule.materiality
 
 
 def explainable(fitted: FittedModel, noise: Array) -> float:
@@ -174,24 +201,31 @@ def sharpened(
     """Return the final model refitted over the horizon that suits it.
 
     The search needs many windows; the parameters need windows over which measurement
-    noise, not what still is left out, makes the residual.
+    noise, not what still is left out, makes the residual. Where whole recordings are
+    then simulated worse than before, the search's own fit is kept.
     """
-    settings = options.settings
+    settings = replace(
+        options.settings, solver=fitted.problem.solver, hold=fitted.problem.hold
+    )
     graph = fitted.graph.with_parameters(fitted.values)
     if isinstance(settings.horizon, Automatic):
         model = fitted.problem.model
         horizon = choose_horizon(graph, model, recordings, settings)
         settings = replace(settings, horizon=horizon)
-    return fit_model(graph, recordings, settings)
+    refitted = fit_model(graph, recordings, settings)
+    before, after = (
+        simulate_whole(one, recordings).score.nrmse for one in (fitted, refitted)
+    )
+    return refitted if after <= SAME * before else fitted
 
 
 def _one_round(
-    base: FittedModel, noise: Array, options: Options, number: int, shop: Workshop
+    base: FittedModel,
+    recordings: Sequence[BoundRecording],
+    options: Options,
+    number: int,
+    shop: Workshop,
 ) -> Round:
-    if explainable(base, noise) < options.rule.materiality:
-        return Round(base)
-    if number > options.most_findings:
-        return Round(base)
     bench = Bench.of(base, shop, f"round {number}")
     # After a named law, a free curve would only bend that law a little further.
     hypotheses = tuple(
@@ -202,7 +236,9 @@ def _one_round(
     screened = screen(bench, hypotheses)
     fitted = fit_best(bench, _promising(screened, options), HOPELESS, options.judged)
     least = options.rule.materiality / 2
-    worth = [c for c in fitted if c.reduction(base) >= least]
+    material = [c for c in fitted if c.reduction(base) >= least]
+    known, undetermined = determined(base, material)
+    worth, forgetful = remembering(base, known, recordings)
     order = {id(hypothesis): i for i, hypothesis in enumerate(hypotheses)}
     worth.sort(key=lambda candidate: order[id(candidate.hypothesis)])
     verdicts = judge_all(bench, worth, screened.independent, options.rule)
@@ -211,7 +247,7 @@ def _one_round(
         len(hypotheses),
         verdicts.judged,
         screened.promised,
-        screened.rejected,
+        (*screened.rejected, *undetermined, *forgetful),
         verdicts.chosen,
         verdicts.probability,
     )

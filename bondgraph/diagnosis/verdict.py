@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
 from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.records import Finding, Support, Verdict
 from bondgraph.diagnosis.search import Round
@@ -18,6 +19,8 @@ from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.noise import NoiseEstimate, estimate_noise
 
 Array = NDArray[np.float64]
+NOTHING = (AdequacyStatus.ADEQUATE, AdequacyStatus.COLOURED)
+"""What a model leaves that no physics of the machine explains."""
 
 MOST_REMAINING = 0.5
 """Findings that leave more than this share of the error have not found the cause."""
@@ -65,6 +68,7 @@ def verdict_of(
     floor: Mapping[str, float],
     first: Round,
     remaining: float,
+    checked: Adequacy | None,
 ) -> tuple[Verdict, str]:
     """Return the verdict and the statement that goes with it.
 
@@ -73,6 +77,8 @@ def verdict_of(
     remaining
         Share of the base model's left-out squared error that the findings leave, as
         far as it is more than noise.
+    checked
+        Whether what the base model leaves follows what the machine does, where known.
     """
     told = " ".join(finding.statement for finding in findings)
     if any(finding.physics != CURVE for finding in findings):
@@ -87,6 +93,12 @@ def verdict_of(
         return Verdict.UNEXPLAINED, told
     ratios = residual_over_noise(base, floor)
     worst = max(ratios.values(), default=float("nan"))
+    if checked is not None and checked.status in NOTHING:
+        chance = f"{100 * checked.p_value:.0f} of 100 recordings"
+        return Verdict.ADEQUATE, (
+            f"{checked.status} By chance it would follow the machine no less in "
+            f"{chance}{_tried_words(first.tried)}."
+        )
     undecided = [j for j in first.judged if j.support is Support.UNDECIDED]
     if undecided and not worst <= ADEQUATE_RATIO:
         names = ", ".join(

@@ -19,6 +19,9 @@ from bondgraph.structure.signals import displacement, flow
 SHARES = (0.03, 0.1, 0.4)
 """Presliding distances that fits start from, in typical displacements."""
 
+LONGEST = 0.5
+"""Of the distance travelled: a memory that is never used up is a spring's."""
+
 
 class DahlHysteresis(AbstractPhysics):
     """Friction that is elastic before it slides."""
@@ -84,8 +87,16 @@ class BoucWenHysteresis(DahlHysteresis):
 
 def _size_and_way(place: OneJunctionPlace) -> tuple[Coefficient, Coefficient]:
     """Return the effort of sliding and the distance before it."""
+    low, high = place.displacement_range
     ways = tuple(share * place.displacement for share in SHARES)
+    ways = tuple(min(way, LONGEST / 2 * (high - low)) for way in ways)
     none, some = (0.0,) * len(ways), (0.3 * place.effort,) * len(ways)
     size = place.strength("hysteresis", place.unit(E), none + some, low=0.0)
-    way = place.shape("presliding", place.unit(Q), ways * 2, low=0.01 * ways[0])
+    way = place.shape(
+        "presliding",
+        place.unit(Q),
+        ways * 2,
+        low=0.01 * ways[0],
+        high=LONGEST * (high - low),
+    )
     return size, way

@@ -1,0 +1,84 @@
+"""What happens between samples: how inputs behave there, and how finely to step.
+
+Both are chosen on the base model, before any physics is looked for. Half a sample of
+delay, or the error of too long a step, would else be found as physics.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.fitting.estimate import FittedModel, Settings, fit_model
+from bondgraph.fitting.levenberg_marquardt import minimise
+from bondgraph.recordings.binding import BoundRecording
+from bondgraph.simulation.accuracy import halved_step_difference
+from bondgraph.simulation.solvers import Hold, Solver
+from bondgraph.structure.graph import FinishedGraph
+
+Array = NDArray[np.float64]
+FITS_BETTER = 0.98
+"""The other way inputs can behave must leave less than this share of the error."""
+
+OF_NOISE, OF_RESIDUAL = 0.3, 0.03
+"""Of the noise and of what the model leaves: a step's error below these is fine."""
+
+MOST_SUBSTEPS = 16
+ITERATIONS = 30
+
+
+def fitted_either_way(
+    graph: FinishedGraph, recordings: Sequence[BoundRecording], settings: Settings
+) -> FittedModel:
+    """Return the model fitted with inputs joined by lines or held, as fits better."""
+    own = fit_model(graph, recordings, settings)
+    if not own.problem.model.input_names or not own.problem.model.n_states:
+        return own
+    other = Hold.ZERO if settings.hold is Hold.FIRST else Hold.FIRST
+    changed = replace(settings, hold=other)
+    rival = fit_model(graph, recordings, changed, sigma=own.problem.sigma)
+    return rival if rival.optimum.cost < FITS_BETTER * own.optimum.cost else own
+
+
+def finely_stepped(fitted: FittedModel, noise: Array) -> FittedModel:
+    """Return the model with so many steps per sample that half of one changes nothing.
+
+    Parameters
+    ----------
+    noise
+        Standard deviation per output, 0 where it is not known.
+    """
+    while fitted.problem.model.n_states and not _is_fine(fitted, noise):
+        solver = fitted.problem.solver
+        if solver.substeps >= MOST_SUBSTEPS:
+            break
+        fitted = restepped(fitted, replace(solver, substeps=2 * solver.substeps))
+    return fitted
+
+
+def restepped(fitted: FittedModel, solver: Solver) -> FittedModel:
+    """Return the model fitted anew, from where it was, with another solver."""
+    problem = replace(fitted.problem, solver=solver)
+    optimum = minimise(
+        problem, fitted.optimum.theta, fitted.optimum.initial, iterations=ITERATIONS
+    )
+    if not np.isfinite(optimum.cost):
+        return fitted
+    return replace(fitted, problem=problem, optimum=optimum)
+
+
+def _is_fine(fitted: FittedModel, noise: Array) -> bool:
+    problem = fitted.problem
+    if problem.solver.substeps >= MOST_SUBSTEPS:
+        return True
+    change = halved_step_difference(
+        problem.model,
+        problem.shots,
+        parameters=fitted.parameters,
+        initial=fitted.optimum.initial,
+        solver=problem.solver,
+        hold=problem.hold,
+    )
+    left = np.sqrt(np.nanmean(fitted.residuals() ** 2, axis=0))
+    return bool(np.all(change <= np.maximum(OF_NOISE * noise, OF_RESIDUAL * left)))

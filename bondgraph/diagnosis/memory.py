@@ -1,0 +1,57 @@
+"""Whether what remembers also remembers through a whole recording.
+
+Over short windows, each with its own initial state, a state that a hypothesis adds can
+take any value anew: that explains slow disturbances of any kind. Physics with a memory
+must explain a whole recording from one initial state, no worse than physics without.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bondgraph.diagnosis.candidates import Candidate, Rejected
+from bondgraph.diagnosis.showing import simulate_whole
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.recordings.binding import BoundRecording
+
+REASON = (
+    "what it remembers had to be set anew in every window; whole recordings are "
+    "explained better without it"
+)
+
+
+def remembering(
+    base: FittedModel,
+    candidates: Sequence[Candidate],
+    recordings: Sequence[BoundRecording],
+) -> tuple[list[Candidate], tuple[Rejected, ...]]:
+    """Return the candidates that carry their memory on, and the others.
+
+    Candidates that add no state pass; so do all where windows are whole recordings.
+    """
+    plain = [c.fitted for c in candidates if not _remembers(base, c)]
+    whole = base.problem.shots.n_windows <= len(recordings)
+    if whole or len(plain) == len(candidates):
+        return list(candidates), ()
+    best = min(_whole_error(fitted, recordings) for fitted in (base, *plain))
+    kept: list[Candidate] = []
+    others: list[Rejected] = []
+    for candidate in candidates:
+        remembers = _remembers(base, candidate)
+        if remembers and not _whole_error(candidate.fitted, recordings) < best:
+            others.append(Rejected(candidate.hypothesis, REASON))
+        else:
+            kept.append(candidate)
+    return kept, tuple(others)
+
+
+def _remembers(base: FittedModel, candidate: Candidate) -> bool:
+    """Return whether a hypothesis adds a state."""
+    return candidate.fitted.problem.model.n_states > base.problem.model.n_states
+
+
+def _whole_error(fitted: FittedModel, recordings: Sequence[BoundRecording]) -> float:
+    """Return the error over whole recordings; infinite where that means nothing."""
+    simulated = simulate_whole(fitted, recordings)
+    error = simulated.score.nrmse
+    return error if simulated.whole and np.isfinite(error) else np.inf
