@@ -69,7 +69,9 @@ def _fitted_with(
     names = model.parameter_names
     start = [centre.get(n, v) for n, v in zip(names, problem.start, strict=True)]
     problem = replace(problem, start=np.array(start))
-    theta = np.array([fitted.values[names[i]] for i in problem.free])
+    # What the additions had replaced has its value in the first model only.
+    values = {**first.values, **fitted.values}
+    theta = np.array([values[names[i]] for i in problem.free])
     initial = initial_states(fitted, model.state_names)
     optimum = minimise(
         problem, theta, initial, iterations=ITERATIONS, tolerance=TOLERANCE

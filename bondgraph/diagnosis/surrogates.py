@@ -120,5 +120,6 @@ def orthonormal(columns: Array) -> Array:
 
 
 def _flat(columns: Array) -> Array:
-    flat: Array = columns.reshape(-1, columns.shape[2])
+    n, outputs, directions = columns.shape
+    flat: Array = columns.reshape(n * outputs, directions)
     return flat
