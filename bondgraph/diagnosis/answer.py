@@ -21,7 +21,12 @@ from bondgraph.diagnosis.records import (
 from bondgraph.diagnosis.search import Options, Round, explainable
 from bondgraph.diagnosis.showing import recovered_law, simulate_whole, traces
 from bondgraph.diagnosis.stated import contradicted
-from bondgraph.diagnosis.verdict import noise_floor, verdict_of, with_values
+from bondgraph.diagnosis.verdict import (
+    noise_floor,
+    not_simulated,
+    verdict_of,
+    with_values,
+)
 from bondgraph.diagnosis.wording import finding_statement, name_of, next_experiment
 from bondgraph.fitting.estimate import FittedModel, fit_model, report
 from bondgraph.fitting.result import FitResult
@@ -55,11 +60,14 @@ def answer(
         remaining,
         _checked(base, recordings, accepted),
     )
+    shown = _comparison(base, final, held_out)
+    if not np.isfinite(shown.after.nrmse) and np.isfinite(shown.before.nrmse):
+        verdict, statement = not_simulated(verdict, statement)
     wrong = contradicted(graph, after.estimates)
     if wrong:
         verdict, statement = with_values(verdict, statement, wrong)
     candidates = _evidence(rounds)
-    shown = [
+    laws = [
         recovered_law(r.base, r.chosen.candidate, final, recordings)
         for r in accepted
         if r.chosen is not None
@@ -69,7 +77,7 @@ def answer(
         statement=statement,
         findings=(*findings, *wrong),
         train=trained,
-        held_out=_comparison(base, final, held_out),
+        held_out=shown,
         noise_floor=floor,
         false_alarm_probability=options.rule.false_alarm_probability,
         next_experiment=next_experiment(findings, others, base),
@@ -79,7 +87,7 @@ def answer(
         fit_after=after,
         fit_all=_delivered(final, recordings, held_out, options),
         traces=traces(base, final, held_out),
-        recovered=tuple(law for law in shown if law is not None),
+        recovered=tuple(law for law in laws if law is not None),
         notes=_notes(rounds, after, options),
         provenance=_provenance(recordings, held_out, options, final),
     )

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.estimate import FittedModel, Settings, fit_model
+from bondgraph.fitting.estimate import FitSettings, FittedModel, fit_model
 from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.accuracy import halved_step_difference
@@ -29,7 +29,7 @@ ITERATIONS = 30
 
 
 def fitted_either_way(
-    graph: FinishedGraph, recordings: Sequence[BoundRecording], settings: Settings
+    graph: FinishedGraph, recordings: Sequence[BoundRecording], settings: FitSettings
 ) -> FittedModel:
     """Return the model fitted with inputs joined by lines or held, as fits better."""
     own = fit_model(graph, recordings, settings)

@@ -32,14 +32,23 @@ class Pruned:
 
 
 def pruned(
-    first: FittedModel, fitted: FittedModel, added: Sequence[Hypothesis], rule: Rule
+    first: FittedModel,
+    before: FittedModel,
+    fitted: FittedModel,
+    added: Sequence[Hypothesis],
+    rule: Rule,
 ) -> Pruned:
     """Return the model without what left-out data do not support any more.
+
+    What was found is only taken out where that leaves no more parameters than there
+    were before the last addition: else a wider law has merely swallowed a plainer one.
 
     Parameters
     ----------
     first
         The model before any addition.
+    before
+        The model before the last addition.
     fitted
         The model with all of `added`, in their order; the last one stays.
     """
@@ -50,7 +59,8 @@ def pruned(
             without = _fitted_with(first, fitted, rest)
         except BondGraphError:
             continue  # A later addition changes what this one has added.
-        if not _needed(without, fitted, rule):
+        plainer = len(without.problem.free) <= len(before.problem.free)
+        if plainer and not _needed(without, fitted, rule):
             fitted, kept = without, rest
             removed.append(hypothesis)
     return Pruned(fitted, tuple(kept), tuple(removed))

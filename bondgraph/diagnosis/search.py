@@ -32,8 +32,8 @@ from bondgraph.diagnosis.screening import screen
 from bondgraph.diagnosis.showing import simulate_whole
 from bondgraph.diagnosis.workers import Here, Where, Workshop
 from bondgraph.fitting.estimate import (
+    FitSettings,
     FittedModel,
-    Settings,
     accumulates,
     choose_horizon,
     fit_model,
@@ -85,7 +85,7 @@ class Options:
         rather than as `settings` say.
     """
 
-    settings: Settings = field(default_factory=Settings)
+    settings: FitSettings = field(default_factory=FitSettings)
     rule: Rule = field(default_factory=Rule)
     library: tuple[AbstractPhysics, ...] = LIBRARY
     fitted: int = 24
@@ -157,7 +157,7 @@ def search(
         candidate = found.chosen.candidate
         added = (*added, candidate.hypothesis)
         shop.progress(f"round {number}: trying without what was added before")
-        left = pruned(base, candidate.fitted, added, options.rule)
+        left = pruned(base, current, candidate.fitted, added, options.rule)
         rounds.append(replace(found, removed=left.removed))
         current, added = finely_stepped(left.fitted, noise), left.kept
         if current.problem.solver != base.problem.solver:
@@ -177,8 +177,8 @@ def explainable(fitted: FittedModel, noise: Array) -> float:
 
 
 def search_settings(
-    graph: FinishedGraph, recordings: Sequence[BoundRecording], settings: Settings
-) -> Settings:
+    graph: FinishedGraph, recordings: Sequence[BoundRecording], settings: FitSettings
+) -> FitSettings:
     """Return the settings with a horizon for searching, where it is automatic.
 
     A plant on which errors accumulate is cut into as many windows as there are chunks:

@@ -137,6 +137,16 @@ def with_values(
             return verdict, f"{statement} {told}"
 
 
+def not_simulated(verdict: Verdict, statement: str) -> tuple[Verdict, str]:
+    """Return the verdict where the improved model fails on the held-out recordings."""
+    told = (
+        f"{statement} But the improved model cannot be simulated through the held-out "
+        "recordings, which the base model can: do not rely on it."
+    )
+    physics = verdict is Verdict.PHYSICS_MISSING
+    return (Verdict.UNEXPLAINED if physics else verdict), told
+
+
 def _residual_words(ratio: float) -> str:
     if np.isnan(ratio):
         return "the noise of a steady table is not known"

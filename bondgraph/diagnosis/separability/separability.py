@@ -27,7 +27,7 @@ from bondgraph.diagnosis.separability.redundancy import isolability
 from bondgraph.diagnosis.virtual.chain import Chain, linear_chain
 from bondgraph.diagnosis.virtual.noise import noise_scale
 from bondgraph.diagnosis.virtual.sources import chosen_sources
-from bondgraph.fitting.estimate import FittedModel, Settings, fit_model
+from bondgraph.fitting.estimate import FitSettings, FittedModel, fit_model
 from bondgraph.fitting.horizon import WholeRecordings
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.shooting import Shots
@@ -96,7 +96,7 @@ def _held(graph: FinishedGraph, recordings: Sequence[BoundRecording]) -> FittedM
     held = graph.with_parameters(
         [replace(parameter, std=0.0) for parameter in graph.parameters.members]
     )
-    return fit_model(held, recordings, Settings(horizon=WholeRecordings()))
+    return fit_model(held, recordings, FitSettings(horizon=WholeRecordings()))
 
 
 def _candidates(graph: FinishedGraph) -> tuple[Signal, ...]:
