@@ -20,10 +20,10 @@ from benchmarks.measuring import print_machine, print_table
 from bondgraph import (
     BondGraph,
     C,
+    FitSettings,
     R,
     Recording,
     Se,
-    Settings,
     WholeRecordings,
     Windows,
     bind_to,
@@ -78,14 +78,14 @@ class Case:
 
     name: str
     noise: Callable[[Random], Array]
-    settings: Settings
+    settings: FitSettings
     lsb: float = 0.0
     input_noise: float = 0.0
 
 
-def _settings(horizon: Horizon | None = None, **choices: object) -> Settings:
+def _settings(horizon: Horizon | None = None, **choices: object) -> FitSettings:
     chosen = WholeRecordings() if horizon is None else horizon
-    return Settings(horizon=chosen, **choices)  # type: ignore[arg-type]
+    return FitSettings(horizon=chosen, **choices)  # type: ignore[arg-type]
 
 
 CASES = (

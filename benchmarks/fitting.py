@@ -25,7 +25,7 @@ from benchmarks.simulation import (
     reference,
     torque,
 )
-from bondgraph import Settings, WholeRecordings, fit
+from bondgraph import FitSettings, WholeRecordings, fit
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.solvers import RungeKutta4, Sdirk2, Solver
 from bondgraph.structure.graph import FinishedGraph
@@ -56,7 +56,7 @@ def ours(u: Array, measured: Array, solver: Solver) -> Found:
         outputs=measured[:, None], input_names=("torque",), output_names=("angle",),
         input_units=("N*m",), output_units=("rad",),
     )  # fmt: skip
-    settings = Settings(horizon=WholeRecordings(), solver=solver)
+    settings = FitSettings(horizon=WholeRecordings(), solver=solver)
     fit(graph, [recording.part(0, 300)], settings=settings)  # loads the kernels
     begin = time.process_time()
     found = fit(graph, [recording], settings=settings)

@@ -19,11 +19,11 @@ from benchmarks.measuring import print_machine, print_table
 from bondgraph import (
     BondGraph,
     C,
+    FitSettings,
     I,
     R,
     Recording,
     Se,
-    Settings,
     WholeRecordings,
     bind_to,
     f,
@@ -126,7 +126,7 @@ def reaches(
 ) -> bool:
     """Return whether a fit from `start` ends at the true parameters."""
     graph = pendulum(start)
-    settings = Settings(horizon=WholeRecordings(), strategy=strategy)
+    settings = FitSettings(horizon=WholeRecordings(), strategy=strategy)
     result = fit(graph, [recorded(graph, *data)], settings=settings)
     errors = [abs(e.value / TRUE[e.name] - 1.0) for e in result.estimates]
     return max(errors) <= REACHED

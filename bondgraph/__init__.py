@@ -68,7 +68,7 @@ _HOME = {
     "bondgraph.fitting.horizon": (
         *("Automatic", "Seconds", "WholeRecordings", "Windows"),
     ),
-    "bondgraph.fitting.estimate": ("Settings", "fit"),
+    "bondgraph.fitting.estimate": ("FitSettings", "fit"),
     "bondgraph.fitting.result": ("FitResult", "FitStatus"),
     "bondgraph.fitting.simulate": ("Solution", "SolveStatus", "simulate"),
     "bondgraph.diagnosis.diagnose": ("Options", "diagnose"),
@@ -318,7 +318,7 @@ if TYPE_CHECKING:
     )
     from bondgraph.equations.transfer_matrix import TransferMatrix as TransferMatrix
     from bondgraph.errors import BondGraphError as BondGraphError
-    from bondgraph.fitting.estimate import Settings as Settings
+    from bondgraph.fitting.estimate import FitSettings as FitSettings
     from bondgraph.fitting.estimate import fit as fit
     from bondgraph.fitting.horizon import Automatic as Automatic
     from bondgraph.fitting.horizon import Seconds as Seconds

@@ -7,7 +7,7 @@ import pytest
 from concealed import multisine
 from scipy.signal import lfilter
 
-from bondgraph import BondGraph, C, I, R, Recording, Se, Settings, Windows, bind_to
+from bondgraph import BondGraph, C, FitSettings, I, R, Recording, Se, Windows, bind_to
 from bondgraph.diagnosis.adequacy.adequacy import adequacy
 from bondgraph.diagnosis.adequacy.coloured import Autoregression, coloured, reflections
 from bondgraph.diagnosis.adequacy.records import AdequacyStatus
@@ -61,7 +61,7 @@ def answered(force, position, *, sprung, seed=0):
     channels = {"force": (force, "N"), "position": (position, "m")}
     recording = bind_to(graph, Recording.from_arrays("cart", TIME, channels))
     horizon = WholeRecordings() if sprung else Windows(100)
-    fitted = fit_model(graph, [recording], Settings(horizon=horizon))
+    fitted = fit_model(graph, [recording], FitSettings(horizon=horizon))
     return adequacy(fitted, [recording], seed=seed, draws=199, level=0.01)
 
 
@@ -118,7 +118,7 @@ def test_a_fit_that_stopped_early_is_told_from_structure():
     graph = cart(sprung=True)
     channels = {"force": (force, "N"), "position": (position + noise, "m")}
     recording = bind_to(graph, Recording.from_arrays("cart", TIME, channels))
-    done = fit_model(graph, [recording], Settings(horizon=WholeRecordings()))
+    done = fit_model(graph, [recording], FitSettings(horizon=WholeRecordings()))
     optimum = replace(done.optimum, theta=1.02 * done.optimum.theta, converged=False)
     early = replace(done, optimum=optimum)
     answer = adequacy(early, [recording], draws=99)

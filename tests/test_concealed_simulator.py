@@ -195,7 +195,7 @@ def test_the_base_model_is_the_machine_without_effects(name, tmp_path):
     _write_csv(tmp_path / "run.csv", machine, run)
     graph = bondgraph.load_model(f"{tmp_path}/model.py")
     recording = bondgraph.read_for(graph, tmp_path / "run.csv")
-    settings = bondgraph.Settings(
+    settings = bondgraph.FitSettings(
         horizon=bondgraph.WholeRecordings(), hold=bondgraph.Hold.ZERO
     )
     solution = bondgraph.simulate(graph, recording, settings=settings)

@@ -11,7 +11,7 @@ from bondgraph import BondGraph, I, R, Se
 from bondgraph.diagnosis.diagnose import diagnose
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search import Options
-from bondgraph.fitting.estimate import Settings
+from bondgraph.fitting.estimate import FitSettings
 from bondgraph.recordings.binding import bind
 from bondgraph.recordings.recording import Recording
 from bondgraph.simulation.solvers import Hold
@@ -85,7 +85,7 @@ def pair(seed, resisting=viscous, *, noise=2e-4, coloured=0.0, **machine):
 
 
 def diagnosed(graph, training, held_out):
-    settings = Settings(hold=Hold.ZERO)
+    settings = FitSettings(hold=Hold.ZERO)
     return diagnose(
         graph, [training], held_out=[held_out], options=Options(settings=settings)
     )

@@ -7,12 +7,12 @@ from concealed import cart
 
 from bondgraph import (
     BondGraph,
+    FitSettings,
     I,
     InsertElement,
     R,
     Recording,
     Se,
-    Settings,
     Windows,
     bind_to,
     f,
@@ -45,7 +45,7 @@ def alternatives():
         fit_model(
             InsertElement("wheel", R("missing", law=law), (known,)).apply(graph()),
             [recording],
-            Settings(horizon=Windows(100)),
+            FitSettings(horizon=Windows(100)),
         )
         for law in laws
     ]

@@ -13,7 +13,7 @@ from test_fitting import (
     spring_mass_recording,
 )
 
-from bondgraph import Settings, WholeRecordings, fit
+from bondgraph import FitSettings, WholeRecordings, fit
 from bondgraph.errors import FitError
 from bondgraph.fitting.loss import Huber, StudentT, cost_of, weight_of
 from bondgraph.fitting.noise import AutoregressiveNoise
@@ -80,7 +80,7 @@ def test_coloured_noise_is_found_and_wastes_less():
         recording.outputs + coloured(1500, seed=3, correlation=0.9, std=0.01)[:, None]
     )
     made = recorded(graph, recording.time, force=recording.inputs[:, 0], x=noisy[:, 0])
-    chosen = Settings(horizon=WholeRecordings(), noise=AutoregressiveNoise())
+    chosen = FitSettings(horizon=WholeRecordings(), noise=AutoregressiveNoise())
     assert fit(graph, [made], settings=chosen).correlation["x"] == pytest.approx(
         0.9, abs=0.04
     )
@@ -89,7 +89,7 @@ def test_coloured_noise_is_found_and_wastes_less():
 def test_many_starts_are_the_same_for_the_same_seed():
     graph = spring_mass()
     recording = spring_mass_recording(graph, n=300)
-    chosen = Settings(horizon=WholeRecordings(), starts=ManyStarts(count=3, seed=4))
+    chosen = FitSettings(horizon=WholeRecordings(), starts=ManyStarts(count=3, seed=4))
     first, second = (fit(graph, [recording], settings=chosen) for _ in range(2))
     assert first.estimates == second.estimates
     alone = fit(graph, [recording], settings=WHOLE)

@@ -6,7 +6,18 @@ import numpy as np
 import pytest
 import sympy
 
-from bondgraph import BondGraph, I, R, Recording, Se, Settings, Windows, bind_to, f, fit
+from bondgraph import (
+    BondGraph,
+    FitSettings,
+    I,
+    R,
+    Recording,
+    Se,
+    Windows,
+    bind_to,
+    f,
+    fit,
+)
 from bondgraph.fitting.horizon import cut
 from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.fitting.loss import Huber
@@ -41,7 +52,7 @@ def recording(graph):
 @pytest.mark.parametrize("correlation", [0.0, 0.6])
 def test_a_window_that_fails_costs_infinitely_and_moves_no_other(choices, correlation):
     graph = runaway()
-    settings = Settings(horizon=Windows(50), **choices)
+    settings = FitSettings(horizon=Windows(50), **choices)
     model = prepare(graph)
     problem = pose(graph, model, cut([recording(graph)], Windows(50)), settings)
     problem = replace(problem, correlation=np.array([correlation]))
@@ -70,6 +81,6 @@ def test_a_window_that_fails_costs_infinitely_and_moves_no_other(choices, correl
 def test_a_model_that_never_runs_says_so():
     graph = runaway().with_parameters({"a": 1e12})
     result = fit(
-        graph, [recording(graph)], settings=Settings(noise=AutoregressiveNoise())
+        graph, [recording(graph)], settings=FitSettings(noise=AutoregressiveNoise())
     )
     assert result.status is FitStatus.SIMULATION_FAILED

@@ -18,11 +18,11 @@ from bondgraph import (
     TF,
     BondGraph,
     C,
+    FitSettings,
     I,
     R,
     Sdirk2,
     Se,
-    Settings,
     WholeRecordings,
     fit,
     q,
@@ -135,6 +135,6 @@ def test_a_step_that_is_too_coarse_is_said():
     recording = spring_mass_recording(graph, noise=1e-6)
     coarse = fit(graph, [recording], settings=WHOLE)
     assert coarse.solver_error.status is SolverErrorStatus.COARSE
-    chosen = Settings(horizon=WholeRecordings(), solver=Sdirk2(substeps=64))
+    chosen = FitSettings(horizon=WholeRecordings(), solver=Sdirk2(substeps=64))
     fine = fit(graph, [recording], settings=chosen)
     assert fine.solver_error.status is SolverErrorStatus.FINE

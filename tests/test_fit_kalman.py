@@ -8,12 +8,12 @@ from scipy.linalg import expm
 from bondgraph import (
     BondGraph,
     C,
+    FitSettings,
     I,
     R,
     Recording,
     Sdirk3,
     Se,
-    Settings,
     Sf,
     WholeRecordings,
     bind_to,
@@ -30,7 +30,7 @@ from bondgraph.simulation.solvers import Hold
 
 TRUE = {"m": 2.0, "k": 50.0, "b": 1.5}
 SHAKEN, NOISE = 1.0, 1e-3
-EXACT = Settings(hold=Hold.ZERO, solver=Sdirk3(substeps=2))
+EXACT = FitSettings(hold=Hold.ZERO, solver=Sdirk3(substeps=2))
 
 
 def servo():
@@ -43,22 +43,36 @@ def servo():
     return g.finish()
 
 
-def closed_loop(graph, *, seed, n=800, step=0.02, gain=60.0, substeps=20):
-    """A position loop around a mass that a random force shakes, as a recording."""
-    random = np.random.default_rng(seed)
+def moved_exactly(step):
+    """Return how one step moves the state, and the Cholesky factor of its shaking.
+
+    The matrices A, B and, after C. Van Loan (IEEE Trans. Autom. Control 23, 1978),
+    ∫ exp(Fs) Q exp(Fs)ᵀ ds, of the mass under a held force.
+    """
     m, k, b = TRUE.values()
-    inner = step / substeps
-    whole = np.zeros((3, 3))
-    whole[:2] = [[-b / m, -k, 1.0], [1 / m, 0.0, 0.0]]
-    moved = expm(whole * inner)
-    reference = np.repeat(0.2 * random.normal(size=n // 25 + 1), 25)[:n]
+    rates = np.array([[-b / m, -k], [1 / m, 0.0]])
+    driven = np.zeros((3, 3))
+    driven[:2, :2], driven[0, 2] = rates, 1.0
+    moved = expm(driven * step)[:2]
+    block = np.zeros((4, 4))
+    block[:2, :2], block[0, 2], block[2:, 2:] = -rates, SHAKEN**2, rates.T
+    both = expm(block * step)
+    return moved, np.linalg.cholesky(both[2:, 2:].T @ both[:2, 2:])
+
+
+def closed_loop(graph, *, seed, n=800, step=0.02, gain=60.0, size=0.2):
+    """A position loop around a mass that a random force shakes, as a recording.
+
+    `size` is the standard deviation of the reference in m, constant for half a second.
+    """
+    random = np.random.default_rng(seed)
+    moved, shaking = moved_exactly(step)
+    reference = np.repeat(size * random.normal(size=n // 25 + 1), 25)[:n]
     x, force, position = np.zeros(2), np.zeros(n), np.zeros(n)
     for i in range(n):
         position[i] = x[1] + NOISE * random.normal()
         force[i] = gain * (reference[i] - position[i])
-        for _ in range(substeps):
-            x = moved[:2, :2] @ x + moved[:2, 2] * force[i]
-            x[0] += SHAKEN * np.sqrt(inner) * random.normal()
+        x = moved @ [*x, force[i]] + shaking @ random.normal(size=2)
     channels = {"force": (force, "N"), "x": (position, "m")}
     time = step * np.arange(n)
     return bind_to(graph, Recording.from_arrays("loop", time, channels))
@@ -78,7 +92,7 @@ def test_a_shaken_machine_in_closed_loop_is_recovered_without_bias():
     assert found.whiteness["x"] > 0.01
     assert np.var(found.innovations) == pytest.approx(1.0, rel=0.1)
     # What the simulation leaves is coloured by the machine.
-    whole = Settings(horizon=WholeRecordings(), hold=Hold.ZERO, solver=EXACT.solver)
+    whole = FitSettings(horizon=WholeRecordings(), hold=Hold.ZERO, solver=EXACT.solver)
     residuals = fit(graph, [recording], settings=whole).fitted.residuals()[:, 0]
     assert ljung_box(residuals - residuals.mean()) < 1e-6
 

@@ -8,11 +8,11 @@ from click.testing import CliRunner
 
 from bondgraph import (
     BondGraph,
+    FitSettings,
     I,
     R,
     Recording,
     Se,
-    Settings,
     Windows,
     bind_to,
     load_model,
@@ -95,7 +95,7 @@ def test_the_audit_is_the_energy_of_the_exact_solution():
 
 def test_the_audit_of_windows_is_the_sum_of_their_audits():
     graph = cart()
-    settings = Settings(horizon=Windows(100))
+    settings = FitSettings(horizon=Windows(100))
     solution = simulate(graph, recording(graph), settings=settings)
     assert len(solution.runs) == 4
     total = sum(run.audit.dissipated for run in solution.runs)

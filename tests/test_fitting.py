@@ -14,13 +14,13 @@ from bondgraph import (
     Automatic,
     BondGraph,
     C,
+    FitSettings,
     FitStatus,
     I,
     R,
     Recording,
     Sdirk3,
     Se,
-    Settings,
     Sf,
     WholeRecordings,
     Windows,
@@ -34,7 +34,7 @@ from bondgraph.errors import FitError, ParameterError
 from bondgraph.fitting.estimate import accumulates, fit_model, prepare
 from bondgraph.recordings.binding import BoundRecording
 
-WHOLE = Settings(horizon=WholeRecordings())
+WHOLE = FitSettings(horizon=WholeRecordings())
 
 
 def rng(seed):
@@ -144,7 +144,7 @@ def test_several_recordings_share_parameters_and_not_initial_states():
         spring_mass_recording(graph, n=500, seed=seed, x0=x0)
         for seed, x0 in ((1, (0.3, 0.0)), (2, (-0.4, 1.0)), (3, (0.0, 0.0)))
     ]
-    settings = Settings(horizon=WholeRecordings())
+    settings = FitSettings(horizon=WholeRecordings())
     fitted = fit_model(graph, recordings, settings)
     assert fitted.optimum.initial.shape == (3, 2)
     within(fit(graph, recordings, settings=settings), SPRING_MASS)
@@ -186,7 +186,7 @@ def test_a_motor_is_recovered_from_current_and_speed():
     graph = motor()
     recording = motor_recording(graph)
     # The noise is so small that the error of Sdirk2 at this step would be seen.
-    settings = Settings(horizon=WholeRecordings(), solver=Sdirk3(substeps=2))
+    settings = FitSettings(horizon=WholeRecordings(), solver=Sdirk3(substeps=2))
     result = fit(graph, [recording], settings=settings)
     within(result, MOTOR)
     # Each channel is weighed by its own residual.
@@ -234,18 +234,18 @@ def test_a_cart_that_drifts_is_recovered_in_windows():
 def test_automatic_horizon_is_whole_for_a_plant_that_forgets():
     graph = spring_mass()
     recording = spring_mass_recording(graph)
-    fitted = fit_model(graph, [recording], Settings(horizon=Automatic()))
+    fitted = fit_model(graph, [recording], FitSettings(horizon=Automatic()))
     assert fitted.horizon == WholeRecordings()
     model = prepare(graph)
-    assert not accumulates(graph, model, [recording], Settings())
+    assert not accumulates(graph, model, [recording], FitSettings())
     assert fit(graph, [recording]).window is None
 
 
 def test_automatic_horizon_is_windows_for_an_integrator():
     graph = cart()
     recording = drifting_cart(graph)
-    assert accumulates(graph, prepare(graph), [recording], Settings())
-    fitted = fit_model(graph, [recording], Settings(horizon=Automatic()))
+    assert accumulates(graph, prepare(graph), [recording], FitSettings())
+    fitted = fit_model(graph, [recording], FitSettings(horizon=Automatic()))
     assert isinstance(fitted.horizon, Windows)
     # The choice is kept for variants of the model, so that they can be compared.
     assert fitted.settings.horizon == fitted.horizon
@@ -282,7 +282,7 @@ def test_prior_knowledge_and_data_are_weighed_by_their_stds():
     graph = gain_bench(b={"value": 1.6, "std": 0.05}, bias={"value": 0.4, "std": 0.0})
     recording = bench_recording(graph, n=60)
     result = fit(graph, [recording])
-    (sigma,) = fit_model(graph, [recording], Settings()).problem.sigma
+    (sigma,) = fit_model(graph, [recording], FitSettings()).problem.sigma
     u, y = recording.inputs[:, 0], recording.outputs[:, 0] - 0.4
     found = result.estimate("b")
     assert sigma == pytest.approx(np.sqrt(np.mean((y - found.value * u) ** 2)), rel=0.1)
@@ -422,7 +422,7 @@ def test_a_parameter_without_a_value_is_refused_by_name():
     recording = drifting_cart(graph, n=200)
     for horizon in (Automatic(), WholeRecordings()):
         with pytest.raises(ParameterError, match="No value is given for m"):
-            fit(graph, [recording], settings=Settings(horizon=horizon))
+            fit(graph, [recording], settings=FitSettings(horizon=horizon))
 
 
 def test_a_model_that_measures_nothing_is_refused():
@@ -433,7 +433,7 @@ def test_a_model_that_measures_nothing_is_refused():
     recording = recorded(graph, 0.1 * np.arange(50), force=np.ones(50))
     for horizon in (Automatic(), WholeRecordings()):
         with pytest.raises(FitError, match="'silent' measures nothing"):
-            fit(graph, [recording], settings=Settings(horizon=horizon))
+            fit(graph, [recording], settings=FitSettings(horizon=horizon))
 
 
 def test_a_model_that_cannot_be_simulated_says_so():

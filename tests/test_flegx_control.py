@@ -12,10 +12,10 @@ from scipy.signal import cont2discrete, lfilter
 
 from bondgraph import (
     BondGraphError,
+    FitSettings,
     FitStatus,
     Hold,
     Recording,
-    Settings,
     WholeRecordings,
     bind_to,
     derive,
@@ -79,7 +79,7 @@ def identified(rate, samples, period):
     time, duty, current = square_wave(rate, samples, period, seed=3)
     channels = {"duty": (duty, "A"), "current": (current, "A")}
     recording = bind_to(graph, Recording.from_arrays("bench", time, channels))
-    settings = Settings(hold=Hold.ZERO, horizon=WholeRecordings())
+    settings = FitSettings(hold=Hold.ZERO, horizon=WholeRecordings())
     result = fit(graph, [recording], settings=settings)
     found = {e.name: e.value for e in result.estimates}
     return result, black_box({**found, "L_motor": graph.parameters["L_motor"].value})

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from two_inertia_drive import PLACES, drive, recorded
 
-from bondgraph import Sdirk2, Settings, Windows
+from bondgraph import FitSettings, Sdirk2, Windows
 from bondgraph.diagnosis.location.locate import locate
 from bondgraph.diagnosis.location.records import LocationStatus
 from bondgraph.diagnosis.location.smoothing import Priors, smooth
@@ -13,7 +13,7 @@ from bondgraph.diagnosis.virtual.sources import chosen_sources
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import fit_model
 
-SETTINGS = Settings(horizon=Windows(83), solver=Sdirk2(substeps=2))
+SETTINGS = FitSettings(horizon=Windows(83), solver=Sdirk2(substeps=2))
 
 
 def fitted(truth, *, load_encoder, seed=0, samples=1000):

@@ -17,12 +17,12 @@ from physics_machines import (
     times,
 )
 
-from bondgraph import Recording, Settings, WholeRecordings, bind_to, fit
+from bondgraph import FitSettings, Recording, WholeRecordings, bind_to, fit
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.places.everywhere import all_places
 
-WHOLE = Settings(horizon=WholeRecordings())
+WHOLE = FitSettings(horizon=WholeRecordings())
 NOISE = 1e-4
 """Of an output's standard deviation."""
 

@@ -17,7 +17,7 @@ from bondgraph.cli.inputs import read_model
 from bondgraph.cli.session import Session, json_option
 from bondgraph.diagnosis.records import Diagnosis, Verdict
 from bondgraph.errors import BondGraphError, ModelLoadError
-from bondgraph.fitting.estimate import Settings
+from bondgraph.fitting.estimate import FitSettings
 from bondgraph.loading import load_object
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.model_channels import read_for
@@ -142,7 +142,7 @@ def _diagnosed(
         graph,
         [train],
         [held_out],
-        settings=Settings(),
+        settings=FitSettings(),
         html=str(folder / "report.html"),
         json_file=json_file,
     )

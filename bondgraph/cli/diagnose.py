@@ -18,7 +18,7 @@ from bondgraph.cli.session import Session, json_option
 from bondgraph.cli.work_options import work_options
 from bondgraph.diagnosis.workers import Where
 from bondgraph.errors import RecordingError
-from bondgraph.fitting.estimate import Settings
+from bondgraph.fitting.estimate import FitSettings
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.windows import split as split_recording
 
@@ -62,7 +62,7 @@ def command(
     held_out: tuple[str, ...],
     split: float | None,
     html: str | None,
-    settings: Settings,
+    settings: FitSettings,
     reading: Reading,
     resume: Path | None,
     either_hold: bool,

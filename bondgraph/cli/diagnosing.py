@@ -8,7 +8,7 @@ from bondgraph.cli.terminal import table_style
 from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.records import Diagnosis, Evidence, Verdict
 from bondgraph.diagnosis.workers import Here, Where
-from bondgraph.fitting.estimate import Settings
+from bondgraph.fitting.estimate import FitSettings
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.reporting.diagnosis_json import delivered, diagnosis_to_dict
 from bondgraph.reporting.report import report_html
@@ -41,7 +41,7 @@ def answer(
     training: Sequence[BoundRecording],
     held_out: Sequence[BoundRecording],
     *,
-    settings: Settings,
+    settings: FitSettings,
     html: str | None,
     json_file: str | None,
     where: Where | None = None,

@@ -15,7 +15,7 @@ from bondgraph.cli.inputs import (
 from bondgraph.cli.session import Session, json_option
 from bondgraph.cli.terminal import table_style
 from bondgraph.errors import FitError
-from bondgraph.fitting.estimate import Settings, fit
+from bondgraph.fitting.estimate import FitSettings, fit
 from bondgraph.fitting.identifiability import identifiability
 from bondgraph.fitting.profile import Profile, profile
 from bondgraph.fitting.result import FitResult, FitStatus
@@ -53,7 +53,7 @@ def command(
     recordings: tuple[str, ...],
     output: str | None,
     profiled: tuple[str, ...],
-    settings: Settings,
+    settings: FitSettings,
     reading: Reading,
     json_file: str | None,
 ) -> int:

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import click
 
-from bondgraph.fitting.estimate import Settings
+from bondgraph.fitting.estimate import FitSettings
 from bondgraph.fitting.horizon import Automatic, Horizon, Seconds, WholeRecordings
 from bondgraph.fitting.loss import Huber, Loss, SquaredError, StudentT
 from bondgraph.fitting.noise import AutoregressiveNoise, Noise, WhiteNoise
@@ -62,7 +62,7 @@ def fit_options(*, window: str, either: bool = False) -> Callable[[F], F]:
         def with_settings(
             *args: Any, horizon: Horizon, hold: str, **options: Any
         ) -> Any:
-            settings = Settings(horizon=horizon, hold=_HOLDS.get(hold, Hold.FIRST))
+            settings = FitSettings(horizon=horizon, hold=_HOLDS.get(hold, Hold.FIRST))
             if either:
                 options["either_hold"] = hold == "auto"
             return command(*args, settings=settings, **options)
@@ -97,7 +97,7 @@ def estimation_options(command: F) -> F:
     @wraps(command)
     def with_choices(
         *args: Any,
-        settings: Settings,
+        settings: FitSettings,
         loss: str,
         noise: str,
         starts: int,

@@ -18,7 +18,7 @@ from bondgraph.cli.inputs import (
 )
 from bondgraph.cli.session import Session, json_option
 from bondgraph.errors import FitError
-from bondgraph.fitting.estimate import Settings
+from bondgraph.fitting.estimate import FitSettings
 from bondgraph.fitting.simulate import Solution, SolveStatus, simulate
 from bondgraph.recordings.names import join_header
 from bondgraph.reporting.diagnosis_json import json_value
@@ -46,7 +46,7 @@ def command(
     values: tuple[str, ...],
     recording: str,
     output: str | None,
-    settings: Settings,
+    settings: FitSettings,
     reading: Reading,
     json_file: str | None,
 ) -> None:

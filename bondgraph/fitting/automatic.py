@@ -18,7 +18,7 @@ from bondgraph.fitting.horizon import (
 from bondgraph.fitting.levenberg_marquardt import Optimum, minimise
 from bondgraph.fitting.posing import pose
 from bondgraph.fitting.problem import FitProblem
-from bondgraph.fitting.settings import Settings
+from bondgraph.fitting.settings import FitSettings
 from bondgraph.fitting.solving import solve
 from bondgraph.numeric.model import NumericModel
 from bondgraph.recordings.binding import BoundRecording
@@ -33,7 +33,7 @@ def choose_horizon(
     graph: FinishedGraph,
     model: NumericModel,
     recordings: Sequence[BoundRecording],
-    settings: Settings,
+    settings: FitSettings,
 ) -> Horizon:
     """Return whole recordings, or the window that suits an integrating plant."""
     return automatic_horizon(graph, model, recordings, settings)[0]
@@ -43,7 +43,7 @@ def automatic_horizon(
     graph: FinishedGraph,
     model: NumericModel,
     recordings: Sequence[BoundRecording],
-    settings: Settings,
+    settings: FitSettings,
 ) -> tuple[Horizon, Optimum | None]:
     """Return the horizon that suits, and the optimum over it where it is known already.
 
@@ -96,7 +96,7 @@ def accumulates(
     graph: FinishedGraph,
     model: NumericModel,
     recordings: Sequence[BoundRecording],
-    settings: Settings,
+    settings: FitSettings,
 ) -> bool:
     """Return whether the effect of an initial state on the outputs does not fade.
 

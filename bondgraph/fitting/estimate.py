@@ -18,7 +18,7 @@ from bondgraph.fitting.noise import WhiteNoise, lag_one
 from bondgraph.fitting.posing import pose, prepare
 from bondgraph.fitting.problem import FitProblem, Linearisation
 from bondgraph.fitting.result import Estimate, FitResult, FitStatus, Score
-from bondgraph.fitting.settings import Settings
+from bondgraph.fitting.settings import FitSettings
 from bondgraph.fitting.solver_error import solver_error
 from bondgraph.fitting.solving import first_guess, solve, solve_from
 from bondgraph.fitting.starts import ManyStarts
@@ -30,8 +30,8 @@ from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.parameters import Fitted as FittedSource
 
 __all__ = [
+    "FitSettings",
     "FittedModel",
-    "Settings",
     "accumulates",
     "choose_horizon",
     "first_guess",
@@ -56,7 +56,7 @@ def fit(
     graph: FinishedGraph,
     recordings: Sequence[BoundRecording],
     *,
-    settings: Settings | None = None,
+    settings: FitSettings | None = None,
 ) -> FitResult:
     """Fit the free parameters of a model to recordings by simulation error.
 
@@ -73,14 +73,14 @@ def fit(
     FitError, ParameterError
         If nothing can be fitted: no output, a parameter without a value.
     """
-    chosen = Settings() if settings is None else settings
+    chosen = FitSettings() if settings is None else settings
     return report(fit_model(graph, recordings, chosen), graph, recordings)
 
 
 def fit_model(
     graph: FinishedGraph,
     recordings: Sequence[BoundRecording],
-    settings: Settings,
+    settings: FitSettings,
     *,
     sigma: Array | None = None,
 ) -> FittedModel:
@@ -104,7 +104,7 @@ def fit_model(
 
 
 def weigh(
-    problem: FitProblem, optimum: Optimum, settings: Settings
+    problem: FitProblem, optimum: Optimum, settings: FitSettings
 ) -> tuple[FitProblem, Optimum]:
     """Return the fit with each output weighed by its own residual, and its colour.
 
@@ -132,7 +132,7 @@ def weigh(
     return problem, optimum
 
 
-def _colour(problem: FitProblem, optimum: Optimum, settings: Settings) -> Array:
+def _colour(problem: FitProblem, optimum: Optimum, settings: FitSettings) -> Array:
     if isinstance(settings.noise, WhiteNoise):
         return np.zeros_like(problem.sigma)
     return lag_one(

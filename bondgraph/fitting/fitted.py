@@ -9,7 +9,7 @@ from bondgraph.fitting.horizon import Horizon
 from bondgraph.fitting.levenberg_marquardt import Optimum
 from bondgraph.fitting.noise import AutoregressiveNoise, WhiteNoise
 from bondgraph.fitting.problem import FitProblem
-from bondgraph.fitting.settings import Settings
+from bondgraph.fitting.settings import FitSettings
 from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
@@ -39,10 +39,10 @@ class FittedModel:
         return tuple(names[i] for i in self.problem.free)
 
     @property
-    def settings(self) -> Settings:
+    def settings(self) -> FitSettings:
         """The choices to fit a variant of this model in the same way."""
         coloured = bool(self.problem.correlation.any())
-        return Settings(
+        return FitSettings(
             horizon=self.horizon,
             loss=self.problem.loss,
             noise=AutoregressiveNoise() if coloured else WhiteNoise(),

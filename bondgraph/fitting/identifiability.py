@@ -23,7 +23,7 @@ from bondgraph.fitting.problem import (
     prior_residuals,
     reduced_hessian,
 )
-from bondgraph.fitting.settings import Settings
+from bondgraph.fitting.settings import FitSettings
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.shooting import Shots, shoot
 from bondgraph.structure.graph import FinishedGraph
@@ -75,7 +75,7 @@ def identifiability(
     graph: FinishedGraph,
     recordings: Sequence[BoundRecording],
     *,
-    settings: Settings | None = None,
+    settings: FitSettings | None = None,
     seed: int = 0,
 ) -> Identifiability:
     """Return what can be known of the free parameters before anything is fitted.
@@ -94,7 +94,7 @@ def identifiability(
     FitError, ParameterError
         If the model measures nothing, or a parameter has no value.
     """
-    chosen = Settings() if settings is None else settings
+    chosen = FitSettings() if settings is None else settings
     model = prepare(graph)
     short = [
         recording.part(0, min(len(recording), SAMPLES)) for recording in recordings

@@ -30,7 +30,7 @@ from bondgraph.fitting.multiple_shooting import with_states_read
 from bondgraph.fitting.posing import pose, prepare
 from bondgraph.fitting.problem import FitProblem, truncated_inverse
 from bondgraph.fitting.result import Estimate
-from bondgraph.fitting.settings import Settings
+from bondgraph.fitting.settings import FitSettings
 from bondgraph.fitting.solving import first_guess
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.shooting import Shots, shoot
@@ -139,7 +139,7 @@ def fit_innovations(
     recordings: Sequence[BoundRecording],
     *,
     shaken: Sequence[str] | None = None,
-    settings: Settings | None = None,
+    settings: FitSettings | None = None,
 ) -> InnovationFit:
     """Fit parameters and noise by the likelihood of one-step predictions.
 
@@ -159,7 +159,7 @@ def fit_innovations(
         If the model has no state or output, a parameter has no value, or a name in
         `shaken` is no state.
     """
-    chosen = Settings() if settings is None else settings
+    chosen = FitSettings() if settings is None else settings
     setting = _prepare(graph, recordings, shaken, chosen)
     start = _best_noise(setting)
     if start is None:
@@ -171,7 +171,7 @@ def _prepare(
     graph: FinishedGraph,
     recordings: Sequence[BoundRecording],
     shaken: Sequence[str] | None,
-    settings: Settings,
+    settings: FitSettings,
 ) -> _Setting:
     model = prepare(graph)
     names = model.state_names

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from bondgraph.equations.derivation import derive
 from bondgraph.errors import FitError
 from bondgraph.fitting.problem import FitProblem
-from bondgraph.fitting.settings import Settings
+from bondgraph.fitting.settings import FitSettings
 from bondgraph.numeric.model import NumericModel, compile_model
 from bondgraph.simulation.shooting import Shots
 from bondgraph.structure.graph import FinishedGraph
@@ -25,7 +25,7 @@ def pose(
     graph: FinishedGraph,
     model: NumericModel,
     shots: Shots,
-    settings: Settings,
+    settings: FitSettings,
     sigma: Array | None = None,
 ) -> FitProblem:
     """Return the least-squares problem of fitting `graph` to windows of recordings.

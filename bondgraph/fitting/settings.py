@@ -11,7 +11,7 @@ from bondgraph.simulation.solvers import Hold, Sdirk2, Solver
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
+class FitSettings:
     """Choices of a simulation-error fit; the defaults suit sampled machines.
 
     Parameters

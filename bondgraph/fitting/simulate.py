@@ -10,7 +10,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.estimate import FittedModel, Settings, fit_model, score
+from bondgraph.fitting.estimate import FitSettings, FittedModel, fit_model, score
 from bondgraph.fitting.horizon import WholeRecordings
 from bondgraph.fitting.result import Score
 from bondgraph.numeric.audited_model import audited_model
@@ -79,7 +79,7 @@ def simulate(
     graph: FinishedGraph,
     recording: BoundRecording,
     *,
-    settings: Settings | None = None,
+    settings: FitSettings | None = None,
 ) -> Solution:
     """Run a model with the inputs of a recording, from an estimated initial state.
 
@@ -97,7 +97,7 @@ def simulate(
     FitError, ParameterError
         If the model measures nothing, or a parameter has no value.
     """
-    chosen = Settings(horizon=WholeRecordings()) if settings is None else settings
+    chosen = FitSettings(horizon=WholeRecordings()) if settings is None else settings
     held = graph.with_parameters(
         [replace(parameter, std=0.0) for parameter in graph.parameters.members]
     )
