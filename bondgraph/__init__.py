@@ -281,6 +281,43 @@ _HOME = {
         "SetStatus",
         "simulate_batch",
     ),
+    "bondgraph.fitting.strategy": (
+        "Direct",
+        "GrowingWindows",
+        "MultipleShooting",
+    ),
+    "bondgraph.fitting.starts": (
+        "ManyStarts",
+        "OneStart",
+    ),
+    "bondgraph.fitting.loss": (
+        "Huber",
+        "SquaredError",
+        "StudentT",
+    ),
+    "bondgraph.fitting.noise": (
+        "AutoregressiveNoise",
+        "WhiteNoise",
+    ),
+    "bondgraph.fitting.profile": (
+        "Profile",
+        "ProfileStatus",
+        "profile",
+    ),
+    "bondgraph.fitting.identifiability": (
+        "Identifiability",
+        "IdentifiabilityStatus",
+        "identifiability",
+    ),
+    "bondgraph.fitting.innovations": (
+        "InnovationFit",
+        "InnovationStatus",
+        "fit_innovations",
+    ),
+    "bondgraph.fitting.solver_error": (
+        "SolverError",
+        "SolverErrorStatus",
+    ),
 }
 _WHERE = {name: home for home, names in _HOME.items() for name in names}
 
@@ -324,11 +361,34 @@ if TYPE_CHECKING:
     from bondgraph.fitting.horizon import Seconds as Seconds
     from bondgraph.fitting.horizon import WholeRecordings as WholeRecordings
     from bondgraph.fitting.horizon import Windows as Windows
+    from bondgraph.fitting.identifiability import Identifiability as Identifiability
+    from bondgraph.fitting.identifiability import (
+        IdentifiabilityStatus as IdentifiabilityStatus,
+    )
+    from bondgraph.fitting.identifiability import identifiability as identifiability
+    from bondgraph.fitting.innovations import InnovationFit as InnovationFit
+    from bondgraph.fitting.innovations import InnovationStatus as InnovationStatus
+    from bondgraph.fitting.innovations import fit_innovations as fit_innovations
+    from bondgraph.fitting.loss import Huber as Huber
+    from bondgraph.fitting.loss import SquaredError as SquaredError
+    from bondgraph.fitting.loss import StudentT as StudentT
+    from bondgraph.fitting.noise import AutoregressiveNoise as AutoregressiveNoise
+    from bondgraph.fitting.noise import WhiteNoise as WhiteNoise
+    from bondgraph.fitting.profile import Profile as Profile
+    from bondgraph.fitting.profile import ProfileStatus as ProfileStatus
+    from bondgraph.fitting.profile import profile as profile
     from bondgraph.fitting.result import FitResult as FitResult
     from bondgraph.fitting.result import FitStatus as FitStatus
     from bondgraph.fitting.simulate import Solution as Solution
     from bondgraph.fitting.simulate import SolveStatus as SolveStatus
     from bondgraph.fitting.simulate import simulate as simulate
+    from bondgraph.fitting.solver_error import SolverError as SolverError
+    from bondgraph.fitting.solver_error import SolverErrorStatus as SolverErrorStatus
+    from bondgraph.fitting.starts import ManyStarts as ManyStarts
+    from bondgraph.fitting.starts import OneStart as OneStart
+    from bondgraph.fitting.strategy import Direct as Direct
+    from bondgraph.fitting.strategy import GrowingWindows as GrowingWindows
+    from bondgraph.fitting.strategy import MultipleShooting as MultipleShooting
     from bondgraph.loading import load_model as load_model
     from bondgraph.loopshaping.controllers import PI as PI
     from bondgraph.loopshaping.controllers import Gain as Gain
