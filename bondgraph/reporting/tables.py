@@ -39,6 +39,7 @@ _STYLES = {
     Support.UNDECIDED: "yellow",
     Support.REFUTED: "dim",
 }
+HEADING_LINES = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,14 +103,17 @@ def parameters_table(
 def estimates_table(
     estimates: Iterable[Estimate], *, colour: bool = False, width: int | None = None
 ) -> str:
-    """Return fitted parameters: where the fit started, and where it ended."""
+    """Return fitted parameters: where the fit started, and where it ended.
+
+    The 95 % interval has a column where it is known and no line must be broken for it.
+    """
     columns = (
         _Column("parameter"),
         _Column("start", numeric=True),
         _Column("estimate", numeric=True),
         _Column("unit"),
     )
-    rows = []
+    rows, intervals = [], []
     for one in estimates:
         blind = one.std is None
         value = _Cell(with_deviation(one.value, one.std))
@@ -117,7 +121,23 @@ def estimates_table(
             value = _Cell(f"{number_words(one.value)} (not identifiable)", "yellow")
         start = _Cell(number_words(one.start), "dim")
         rows.append((_Cell(one.name), start, value, _Cell(_unit(one.unit))))
+        intervals.append(_Cell(_interval(one.interval)))
+    if any(cell.text != NOTHING for cell in intervals):
+        wider = (*columns[:3], _Column("95 % interval"), columns[3])
+        longer = [
+            (*row[:3], interval, row[3])
+            for row, interval in zip(rows, intervals, strict=True)
+        ]
+        table = _table(wider, longer, colour=colour, width=width)
+        if len(table.splitlines()) <= len(rows) + HEADING_LINES:
+            return table
     return _table(columns, rows, colour=colour, width=width)
+
+
+def _interval(interval: tuple[float, float] | None) -> str:
+    if interval is None:
+        return NOTHING
+    return " to ".join(number_words(end) for end in interval)
 
 
 def candidates_table(
