@@ -161,8 +161,13 @@ def clearly_better(better: Judged, worse: Judged, rule: Rule) -> bool:
 
 
 def alike(one: Judged, other: Judged) -> bool:
-    """Return whether two candidates predict alike, to 2 % of the left-out error."""
-    return abs(compare(other.errors, one.errors).value) < ALIKE
+    """Return whether two candidates predict alike.
+
+    To 2 % of the left-out error, or to one standard error of the difference (Breiman,
+    Friedman, Olshen and Stone, *Classification and Regression Trees*, 1984, 3.4.3).
+    """
+    difference = compare(other.errors, one.errors)
+    return abs(difference.value) < max(ALIKE, difference.std)
 
 
 def alternatives_to(

@@ -17,6 +17,7 @@ from bondgraph.diagnosis.answer import answer
 from bondgraph.diagnosis.between_samples import finely_stepped, fitted_either_way
 from bondgraph.diagnosis.journal import Journal
 from bondgraph.diagnosis.misreadings import without_misreadings
+from bondgraph.diagnosis.plainer import without_needless_parts
 from bondgraph.diagnosis.records import Diagnosis
 from bondgraph.diagnosis.search import Options, search, search_settings, sharpened
 from bondgraph.diagnosis.verdict import excusable
@@ -77,6 +78,7 @@ def diagnose(
     if rounds[-1].base is not base:
         progress("refitting the improved model")
         final = sharpened(rounds[-1].base, recordings, chosen)
+        rounds, final = without_needless_parts(rounds, final, recordings, chosen)
     progress("simulating the held-out recordings")
     found = answer(graph, recordings, held_out, rounds, final, chosen)
     return replace(found, notes=(*found.notes, *read.notes, *kept_back.notes))

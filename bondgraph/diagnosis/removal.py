@@ -56,7 +56,7 @@ def pruned(
     for hypothesis in added[:-1]:
         rest = [one for one in kept if one is not hypothesis]
         try:
-            without = _fitted_with(first, fitted, rest)
+            without = fitted_with(first, fitted, rest)
         except BondGraphError:
             continue  # A later addition changes what this one has added.
         plainer = len(without.problem.free) <= len(before.problem.free)
@@ -66,7 +66,7 @@ def pruned(
     return Pruned(fitted, tuple(kept), tuple(removed))
 
 
-def _fitted_with(
+def fitted_with(
     first: FittedModel, fitted: FittedModel, hypotheses: Sequence[Hypothesis]
 ) -> FittedModel:
     """Return the first model with the hypotheses, fitted from the other's values."""

@@ -21,6 +21,8 @@ from bondgraph.structure.signals import Signal
 
 Array = NDArray[np.float64]
 CLOUD_POINTS = 200
+FINER = (1, 4, 16)
+"""How many times finer the steps are, in turn, until a simulation ends."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,10 +44,18 @@ class WholeSimulation:
 def simulate_whole(
     fitted: FittedModel, recordings: Sequence[BoundRecording]
 ) -> WholeSimulation:
-    """Simulate whole recordings with the fitted parameters."""
-    simulated = _simulate(fitted, recordings, WholeRecordings())
-    if np.isfinite(simulated.outputs).all():
-        return simulated
+    """Simulate whole recordings with the fitted parameters.
+
+    Where a step fails, with finer ones: another recording may be rougher.
+    """
+    for finer in FINER:
+        solver = fitted.problem.solver
+        steps = replace(solver, substeps=finer * solver.substeps)
+        problem = replace(fitted.problem, solver=steps)
+        stepped = replace(fitted, problem=problem)
+        simulated = _simulate(stepped, recordings, WholeRecordings())
+        if np.isfinite(simulated.outputs[np.isfinite(simulated.measured)]).all():
+            return simulated
     return replace(_simulate(fitted, recordings, fitted.horizon), whole=False)
 
 
