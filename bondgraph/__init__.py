@@ -318,6 +318,32 @@ _HOME = {
         "SolverError",
         "SolverErrorStatus",
     ),
+    "bondgraph.diagnosis.adequacy.adequacy": ("adequacy",),
+    "bondgraph.diagnosis.adequacy.records": (
+        "Adequacy",
+        "AdequacyStatus",
+    ),
+    "bondgraph.diagnosis.workers": (
+        "Here",
+        "On",
+        "Processes",
+    ),
+    "bondgraph.diagnosis.location.locate": ("locate",),
+    "bondgraph.diagnosis.location.records": (
+        "Location",
+        "LocationStatus",
+        "PlaceEvidence",
+    ),
+    "bondgraph.diagnosis.separability.separability": ("separability",),
+    "bondgraph.diagnosis.separability.records": (
+        "Separability",
+        "SeparabilityStatus",
+    ),
+    "bondgraph.diagnosis.experiment.next_experiment": ("next_experiment",),
+    "bondgraph.diagnosis.experiment.records": (
+        "Experiment",
+        "ExperimentStatus",
+    ),
 }
 _WHERE = {name: home for home, names in _HOME.items() for name in names}
 
@@ -327,10 +353,34 @@ __all__ = sorted([*_WHERE, "__version__"])  # noqa: PLE0605
 if TYPE_CHECKING:
     from bondgraph.causality.assignment import assign_causality as assign_causality
     from bondgraph.checking.run import run_checks as run_checks
+    from bondgraph.diagnosis.adequacy.adequacy import adequacy as adequacy
+    from bondgraph.diagnosis.adequacy.records import Adequacy as Adequacy
+    from bondgraph.diagnosis.adequacy.records import AdequacyStatus as AdequacyStatus
     from bondgraph.diagnosis.diagnose import Options as Options
     from bondgraph.diagnosis.diagnose import diagnose as diagnose
+    from bondgraph.diagnosis.experiment.next_experiment import (
+        next_experiment as next_experiment,
+    )
+    from bondgraph.diagnosis.experiment.records import Experiment as Experiment
+    from bondgraph.diagnosis.experiment.records import (
+        ExperimentStatus as ExperimentStatus,
+    )
+    from bondgraph.diagnosis.location.locate import locate as locate
+    from bondgraph.diagnosis.location.records import Location as Location
+    from bondgraph.diagnosis.location.records import LocationStatus as LocationStatus
+    from bondgraph.diagnosis.location.records import PlaceEvidence as PlaceEvidence
     from bondgraph.diagnosis.records import Diagnosis as Diagnosis
     from bondgraph.diagnosis.records import Verdict as Verdict
+    from bondgraph.diagnosis.separability.records import Separability as Separability
+    from bondgraph.diagnosis.separability.records import (
+        SeparabilityStatus as SeparabilityStatus,
+    )
+    from bondgraph.diagnosis.separability.separability import (
+        separability as separability,
+    )
+    from bondgraph.diagnosis.workers import Here as Here
+    from bondgraph.diagnosis.workers import On as On
+    from bondgraph.diagnosis.workers import Processes as Processes
     from bondgraph.equations.derivation import derive as derive
     from bondgraph.equations.descriptor import DescriptorSystem as DescriptorSystem
     from bondgraph.equations.descriptor import descriptor as descriptor
