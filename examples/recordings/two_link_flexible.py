@@ -3,10 +3,10 @@
     bondgraph diagnose examples/recordings/two_link_flexible.py:arm --split 0.5 \
         ../shared/recordings/two_link_flexible/lqr_10deg_currents.csv
 
-The values are the maker's (Quanser, config_2dslf), at the joints. The second stage rides
-on the tip of the first: the torque of its drive turns the first load back, and since its
-centre of mass lies beside the joint, the two loads share an inertia. What the linear
-model leaves out: the dry friction of both drives.
+The values are the maker's (Quanser, config_2dslf), at the joints. The second stage
+rides on the tip of the first: the torque of its drive turns the first load back, and
+since its centre of mass lies beside the joint, the two loads share an inertia. What the
+linear model leaves out: the dry friction of both drives.
 """
 
 import sympy
