@@ -16,7 +16,7 @@ from benchmarks.measuring import print_table
 from bondgraph import BondGraph, C, I, R, Se
 from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.records import Diagnosis
-from bondgraph.diagnosis.workers import Processes
+from bondgraph.diagnosis.work.workers import Processes
 from bondgraph.recordings.binding import BoundRecording, bind
 from bondgraph.recordings.recording import Recording
 from bondgraph.structure.graph import FinishedGraph

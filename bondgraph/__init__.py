@@ -323,7 +323,7 @@ _HOME = {
         "Adequacy",
         "AdequacyStatus",
     ),
-    "bondgraph.diagnosis.workers": (
+    "bondgraph.diagnosis.work.workers": (
         "Here",
         "On",
         "Processes",
@@ -378,9 +378,9 @@ if TYPE_CHECKING:
     from bondgraph.diagnosis.separability.separability import (
         separability as separability,
     )
-    from bondgraph.diagnosis.workers import Here as Here
-    from bondgraph.diagnosis.workers import On as On
-    from bondgraph.diagnosis.workers import Processes as Processes
+    from bondgraph.diagnosis.work.workers import Here as Here
+    from bondgraph.diagnosis.work.workers import On as On
+    from bondgraph.diagnosis.work.workers import Processes as Processes
     from bondgraph.equations.derivation import derive as derive
     from bondgraph.equations.descriptor import DescriptorSystem as DescriptorSystem
     from bondgraph.equations.descriptor import descriptor as descriptor

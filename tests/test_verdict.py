@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from handmade_diagnosis import cart_diagnosis
 
+from bondgraph.diagnosis.answer.verdict import excusable, verdict_of
 from bondgraph.diagnosis.records import Verdict
-from bondgraph.diagnosis.search import Round
-from bondgraph.diagnosis.verdict import excusable, verdict_of
+from bondgraph.diagnosis.search.rounds import Round
 from bondgraph.recordings.binding import bind
 from bondgraph.recordings.recording import Recording
 

@@ -16,7 +16,7 @@ from bondgraph.cli.inputs import (
 )
 from bondgraph.cli.session import Session, json_option
 from bondgraph.cli.work_options import work_options
-from bondgraph.diagnosis.workers import Where
+from bondgraph.diagnosis.work.workers import Where
 from bondgraph.errors import RecordingError
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.recordings.binding import BoundRecording

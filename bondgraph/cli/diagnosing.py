@@ -7,7 +7,7 @@ from bondgraph.cli.session import Session
 from bondgraph.cli.terminal import table_style
 from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.records import Diagnosis, Evidence, Verdict
-from bondgraph.diagnosis.workers import Here, Where
+from bondgraph.diagnosis.work.workers import Here, Where
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.reporting.diagnosis_json import delivered, diagnosis_to_dict

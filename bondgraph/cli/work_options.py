@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 import click
 
-from bondgraph.diagnosis.workers import On, Processes, Where
+from bondgraph.diagnosis.work.workers import On, Processes, Where
 from bondgraph.errors import MissingExtraError
 
 F = TypeVar("F", bound=Callable[..., Any])

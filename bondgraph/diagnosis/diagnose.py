@@ -13,15 +13,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from bondgraph.diagnosis.answer import answer
-from bondgraph.diagnosis.between_samples import finely_stepped, fitted_either_way
-from bondgraph.diagnosis.journal import Journal
+from bondgraph.diagnosis.answer.telling import answer
+from bondgraph.diagnosis.answer.verdict import excusable
 from bondgraph.diagnosis.misreadings import without_misreadings
-from bondgraph.diagnosis.plainer import without_needless_parts
 from bondgraph.diagnosis.records import Diagnosis
-from bondgraph.diagnosis.search import Options, search, search_settings, sharpened
-from bondgraph.diagnosis.verdict import excusable
-from bondgraph.diagnosis.workers import Progress, workshop
+from bondgraph.diagnosis.search.between_samples import finely_stepped, fitted_either_way
+from bondgraph.diagnosis.search.plainer import without_needless_parts
+from bondgraph.diagnosis.search.rounds import (
+    Options,
+    search,
+    search_settings,
+    sharpened,
+)
+from bondgraph.diagnosis.work.journal import Journal
+from bondgraph.diagnosis.work.workers import Progress, workshop
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import fit_model
 from bondgraph.recordings.binding import BoundRecording

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bondgraph.causality.assignment import assign_causality
+from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.records import Diagnosis, RecoveredLaw, Trace
-from bondgraph.diagnosis.wording import name_of
 from bondgraph.fitting.result import Estimate
 from bondgraph.reporting.charts import Array, Chart, Curve, chart
 from bondgraph.reporting.diagnosis_json import delivered

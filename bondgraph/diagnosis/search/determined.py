@@ -7,7 +7,7 @@ favour of what it stands for.
 
 from collections.abc import Sequence
 
-from bondgraph.diagnosis.candidates import Candidate, Rejected
+from bondgraph.diagnosis.search.candidates import Candidate, Rejected
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.uncertainty import uncertainty
 

@@ -12,25 +12,25 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.bench import Bench
-from bondgraph.diagnosis.between_samples import finely_stepped, restepped
-from bondgraph.diagnosis.candidates import (
+from bondgraph.diagnosis.answer.showing import simulate_whole
+from bondgraph.diagnosis.evidence.decision import Judged, Rule
+from bondgraph.diagnosis.evidence.judging import judge_all
+from bondgraph.diagnosis.evidence.left_out import MOST_CHUNKS
+from bondgraph.diagnosis.search.bench import Bench
+from bondgraph.diagnosis.search.between_samples import finely_stepped, restepped
+from bondgraph.diagnosis.search.candidates import (
     CURVE,
     Promised,
     Rejected,
     Screened,
     propose_all,
 )
-from bondgraph.diagnosis.decision import Judged, Rule
-from bondgraph.diagnosis.determined import determined
-from bondgraph.diagnosis.evidence import MOST_CHUNKS
-from bondgraph.diagnosis.fits import fit_best
-from bondgraph.diagnosis.judging import judge_all
-from bondgraph.diagnosis.memory import remembering
-from bondgraph.diagnosis.removal import pruned
-from bondgraph.diagnosis.screening import screen
-from bondgraph.diagnosis.showing import simulate_whole
-from bondgraph.diagnosis.workers import Here, Where, Workshop
+from bondgraph.diagnosis.search.determined import determined
+from bondgraph.diagnosis.search.fits import fit_best
+from bondgraph.diagnosis.search.memory import remembering
+from bondgraph.diagnosis.search.removal import pruned
+from bondgraph.diagnosis.search.screening import screen
+from bondgraph.diagnosis.work.workers import Here, Where, Workshop
 from bondgraph.fitting.estimate import (
     FitSettings,
     FittedModel,

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.bench import Bench
-from bondgraph.diagnosis.candidates import Promised, Rejected, Screened
-from bondgraph.diagnosis.trying import Trial, promise
+from bondgraph.diagnosis.search.bench import Bench
+from bondgraph.diagnosis.search.candidates import Promised, Rejected, Screened
+from bondgraph.diagnosis.search.trying import Trial, promise
 from bondgraph.physics.hypothesis import Hypothesis
 
 Array = NDArray[np.float64]

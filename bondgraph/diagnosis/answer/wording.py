@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from bondgraph.diagnosis.decision import Judged
+from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.records import Finding
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.result import Estimate

@@ -5,17 +5,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bondgraph.diagnosis.bench import Bench
-from bondgraph.diagnosis.candidates import Candidate
-from bondgraph.diagnosis.decision import (
+from bondgraph.diagnosis.evidence.decision import (
     Judged,
     Rule,
     best_supported,
     judge,
     probability,
 )
-from bondgraph.diagnosis.evidence import LeftOutErrors, chunk_count, left_out_errors
-from bondgraph.diagnosis.trying import Start, Trial, errors_left_out
+from bondgraph.diagnosis.evidence.left_out import (
+    LeftOutErrors,
+    chunk_count,
+    left_out_errors,
+)
+from bondgraph.diagnosis.search.bench import Bench
+from bondgraph.diagnosis.search.candidates import Candidate
+from bondgraph.diagnosis.search.trying import Start, Trial, errors_left_out
 
 TWINS = 1e-3
 """Candidates whose residuals differ by less than this share predict the same."""

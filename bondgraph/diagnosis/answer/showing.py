@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.probing import common_signal, probe, recover
 from bondgraph.diagnosis.records import RecoveredLaw, Trace
+from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.fitting.estimate import FittedModel, first_guess, pose, score
 from bondgraph.fitting.horizon import Horizon, WholeRecordings, Windows, cut
 from bondgraph.fitting.levenberg_marquardt import settle

@@ -8,10 +8,10 @@ narrower one is there zero within its error, the narrower one is told.
 from collections.abc import Sequence
 from dataclasses import replace
 
-from bondgraph.diagnosis.decision import Judged
+from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.records import Support
-from bondgraph.diagnosis.removal import fitted_with
-from bondgraph.diagnosis.search import Options, Round, sharpened
+from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.diagnosis.search.rounds import Options, Round, sharpened
 from bondgraph.fitting.estimate import FittedModel, report
 from bondgraph.recordings.binding import BoundRecording
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.evidence import LeftOutErrors
+from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 
 Array = NDArray[np.float64]
 RESAMPLES = 2000

@@ -10,7 +10,24 @@ import numpy as np
 
 from bondgraph.diagnosis.adequacy.adequacy import adequacy
 from bondgraph.diagnosis.adequacy.records import Adequacy
-from bondgraph.diagnosis.decision import Judged, alternatives_to, clearly_better
+from bondgraph.diagnosis.answer.showing import recovered_law, simulate_whole, traces
+from bondgraph.diagnosis.answer.stated import contradicted
+from bondgraph.diagnosis.answer.verdict import (
+    noise_floor,
+    not_simulated,
+    verdict_of,
+    with_values,
+)
+from bondgraph.diagnosis.answer.wording import (
+    finding_statement,
+    name_of,
+    next_experiment,
+)
+from bondgraph.diagnosis.evidence.decision import (
+    Judged,
+    alternatives_to,
+    clearly_better,
+)
 from bondgraph.diagnosis.records import (
     Comparison,
     Diagnosis,
@@ -18,16 +35,7 @@ from bondgraph.diagnosis.records import (
     Finding,
     Support,
 )
-from bondgraph.diagnosis.search import Options, Round, explainable
-from bondgraph.diagnosis.showing import recovered_law, simulate_whole, traces
-from bondgraph.diagnosis.stated import contradicted
-from bondgraph.diagnosis.verdict import (
-    noise_floor,
-    not_simulated,
-    verdict_of,
-    with_values,
-)
-from bondgraph.diagnosis.wording import finding_statement, name_of, next_experiment
+from bondgraph.diagnosis.search.rounds import Options, Round, explainable
 from bondgraph.fitting.estimate import FittedModel, fit_model, report
 from bondgraph.fitting.result import FitResult
 from bondgraph.physics.hypothesis import Hypothesis

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bondgraph.diagnosis.bench import Bench
-from bondgraph.diagnosis.candidates import Candidate, Promised
-from bondgraph.diagnosis.trying import Start, Trial, fit_briefly, fit_fully
+from bondgraph.diagnosis.search.bench import Bench
+from bondgraph.diagnosis.search.candidates import Candidate, Promised
+from bondgraph.diagnosis.search.trying import Start, Trial, fit_briefly, fit_fully
 from bondgraph.physics.hypothesis import Hypothesis
 
 RELATIVE_BETTER = 0.99

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bondgraph.diagnosis.decision import Rule
-from bondgraph.diagnosis.evidence import chunk_count, compare, left_out_errors
-from bondgraph.diagnosis.posing import initial_states
+from bondgraph.diagnosis.evidence.decision import Rule
+from bondgraph.diagnosis.evidence.left_out import chunk_count, compare, left_out_errors
+from bondgraph.diagnosis.search.posing import initial_states
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel, pose, prepare
 from bondgraph.fitting.levenberg_marquardt import minimise

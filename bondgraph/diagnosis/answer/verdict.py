@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
-from bondgraph.diagnosis.candidates import CURVE
+from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.records import Finding, Support, Verdict
-from bondgraph.diagnosis.search import Round
-from bondgraph.diagnosis.wording import name_of
+from bondgraph.diagnosis.search.candidates import CURVE
+from bondgraph.diagnosis.search.rounds import Round
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.noise import NoiseEstimate, estimate_noise
@@ -68,7 +68,7 @@ def verdict_of(
     floor: Mapping[str, float],
     first: Round,
     remaining: float,
-    checked: Adequacy | None,
+    checked: Adequacy | None = None,
 ) -> tuple[Verdict, str]:
     """Return the verdict and the statement that goes with it.
 

@@ -11,11 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.evidence import left_out_errors
-from bondgraph.diagnosis.journal import Plain
-from bondgraph.diagnosis.posing import added, initial_states, pose_hypothesis, thetas
-from bondgraph.diagnosis.score_test import score_test
-from bondgraph.diagnosis.surrogates import Baseline
+from bondgraph.diagnosis.evidence.left_out import left_out_errors
+from bondgraph.diagnosis.search.posing import (
+    added,
+    initial_states,
+    pose_hypothesis,
+    thetas,
+)
+from bondgraph.diagnosis.search.score_test import score_test
+from bondgraph.diagnosis.search.surrogates import Baseline
+from bondgraph.diagnosis.work.journal import Plain
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.levenberg_marquardt import (

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bondgraph.diagnosis.candidates import Candidate, Rejected
-from bondgraph.diagnosis.showing import simulate_whole
+from bondgraph.diagnosis.answer.showing import simulate_whole
+from bondgraph.diagnosis.search.candidates import Candidate, Rejected
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
 

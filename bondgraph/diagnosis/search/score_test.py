@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.surrogates import Baseline, orthonormal, sensitivities
+from bondgraph.diagnosis.search.surrogates import Baseline, orthonormal, sensitivities
 from bondgraph.fitting.problem import FitProblem, truncated_inverse
 
 Array = NDArray[np.float64]

@@ -8,10 +8,10 @@ the simplest wins; the others stay on record as alternatives.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bondgraph.diagnosis.candidates import CURVE, Candidate
-from bondgraph.diagnosis.confidence import winning_shares
-from bondgraph.diagnosis.evidence import Gain, LeftOutErrors, compare
+from bondgraph.diagnosis.evidence.confidence import winning_shares
+from bondgraph.diagnosis.evidence.left_out import Gain, LeftOutErrors, compare
 from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.candidates import CURVE, Candidate
 from bondgraph.physics.library import LIBRARY
 
 ALIKE = 0.02

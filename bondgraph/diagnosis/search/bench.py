@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bondgraph.diagnosis.candidates import Candidate
-from bondgraph.diagnosis.journal import Plain, fingerprint
-from bondgraph.diagnosis.posing import light, thinned
-from bondgraph.diagnosis.surrogates import Baseline
-from bondgraph.diagnosis.trying import Start, Trial, restored
-from bondgraph.diagnosis.workers import Work, Workshop
+from bondgraph.diagnosis.search.candidates import Candidate
+from bondgraph.diagnosis.search.posing import light, thinned
+from bondgraph.diagnosis.search.surrogates import Baseline
+from bondgraph.diagnosis.search.trying import Start, Trial, restored
+from bondgraph.diagnosis.work.journal import Plain, fingerprint
+from bondgraph.diagnosis.work.workers import Work, Workshop
 from bondgraph.fitting.estimate import FittedModel
 
 

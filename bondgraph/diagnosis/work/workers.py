@@ -15,7 +15,7 @@ from multiprocessing import get_context
 from time import monotonic
 from typing import Any
 
-from bondgraph.diagnosis.journal import Journal, Plain
+from bondgraph.diagnosis.work.journal import Journal, Plain
 
 Work = Callable[[Any, Any], Plain]
 Progress = Callable[[str], None]

@@ -1,0 +1,1 @@
+"""The answer: findings, verdict, sentences, and what shows them."""

@@ -1,0 +1,1 @@
+"""Evidence: candidates on data they were not fitted to, and which to believe."""
