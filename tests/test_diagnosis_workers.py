@@ -6,10 +6,10 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from bondgraph.diagnosis.work import workers
 from bondgraph.diagnosis.evidence.confidence import winning_shares
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, compare
 from bondgraph.diagnosis.search.screening import effective_number
+from bondgraph.diagnosis.work import workers
 from bondgraph.diagnosis.work.journal import FILE, Journal, fingerprint
 from bondgraph.diagnosis.work.workers import Here, On, Processes, workshop
 from bondgraph.errors import BondGraphError
