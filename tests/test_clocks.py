@@ -111,6 +111,7 @@ def test_missing_cells_are_kept_as_gaps_of_their_channel(tmp_path):
         read_recording(path)
     kept = read_recording(path, gaps="keep")
     assert len(kept) == 60
+    assert kept.notes == ("40 samples of speed with missing values are kept as gaps.",)
     assert np.isfinite(kept.values("speed")).sum() == 20
     assert "nan" not in kept._repr_html_()
     bound = bind_to(cart(), kept)

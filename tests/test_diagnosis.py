@@ -181,7 +181,7 @@ def test_emps_misses_coulomb_friction():
     (finding,) = diagnosis.findings
     assert (finding.physics, finding.place) == ("coulomb_friction", "carriage")
     stribeck = [a for a in finding.alternatives if a.physics == "stribeck_friction"]
-    assert all(a.support is Support.REFUTED for a in stribeck)
+    assert [a.support for a in stribeck] == [Support.REFUTED]
     assert diagnosis.held_out.after.nrmse < 0.6 * diagnosis.held_out.before.nrmse
     published = {"mass": 95.1089, "viscous": 203.5034, "coulomb_carriage": 20.3935}
     # The first 60 % know viscous and Coulomb friction to 4 % and 3 % only (see

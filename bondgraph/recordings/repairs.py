@@ -94,9 +94,10 @@ def without_gaps(
     Where gaps are kept, the clock must be finite all the same.
     """
     table, keep = samples.table, np.ones(samples.rows.size, dtype=np.bool_)
+    if gaps == "keep":
+        samples = _with_gaps(samples, names, clock)
     for name, column in zip(names, samples.columns, strict=True):
         if gaps == "keep" and name != clock:
-            column[np.isinf(column)] = np.nan
             continue
         bad = np.flatnonzero(~np.isfinite(column))
         if bad.size and gaps != "drop":
@@ -113,6 +114,21 @@ def without_gaps(
     if not dropped:
         return samples
     return samples.take(keep, f"{dropped} samples with missing values were dropped.")
+
+
+def _with_gaps(samples: Samples, names: Sequence[str], clock: str | None) -> Samples:
+    """Return the samples with NaN for what is missing, and a note for each channel."""
+    columns, notes = [], []
+    for name, column in zip(names, samples.columns, strict=True):
+        missing = ~np.isfinite(column)
+        if name != clock and missing.any():
+            column = np.where(missing, np.nan, column)  # noqa: PLW2901
+            notes.append(
+                f"{missing.sum()} samples of {name} with missing values are kept as "
+                "gaps."
+            )
+        columns.append(column)
+    return replace(samples, columns=columns, notes=(*samples.notes, *notes))
 
 
 def in_order(samples: Samples, clock: str, order: Order) -> Samples:

@@ -1,12 +1,13 @@
 """A banded friction damper driven by a piston: an imposed velocity and a resistance.
 
+    python examples/recordings/prepare.py damper ../shared/recordings prepared
     bondgraph diagnose examples/recordings/damper.py \
-        ../shared/recordings/damper/sine_0p5Hz_tension35lb.csv \
-        --held-out ../shared/recordings/damper/sine_1Hz_tension35lb.csv
+        prepared/sine_0p5Hz_tension35lb.csv \
+        --held-out prepared/sine_1Hz_tension35lb.csv
 
-Its force builds up over millimetres of travel after each reversal: hysteresis with
-memory, for which the library has no law yet, so the honest answer is "unexplained"
-(ARTS-Lab, Dataset-Friction-Damper-with-Backlash).
+The recorded velocity is a derivative with a transient; the preparation makes one from
+the displacement. The force builds up over millimetres of travel after each reversal:
+hysteresis, and play (ARTS-Lab, Dataset-Friction-Damper-with-Backlash).
 """
 
 import sympy

@@ -1,12 +1,13 @@
 """A tank that drains through a hole: capacity and a linear outlet.
 
+    python examples/recordings/prepare.py draining_tank ../shared/recordings prepared
     bondgraph diagnose examples/recordings/draining_tank.py \
-        draining_train.csv --held-out draining_test.csv
+        prepared/empty_train.csv --held-out prepared/empty_test.csv
 
 The recordings (Fabusola and Simon, Chemical Engineering Science 309, 2025) begin while
-the tank is filled; cut them to the time in which it drains. The outflow goes with the
-root of the level (Torricelli), which the linear outlet leaves out. Only the ratio of
-outlet and capacity shows in the level, so the capacity is held at 100 cm².
+the tank is filled; the preparation keeps the time in which it drains. The outflow goes
+with the root of the level (Torricelli), which the linear outlet leaves out. Only the
+ratio of outlet and capacity shows in the level, so the capacity is held at 100 cm².
 """
 
 from bondgraph import BondGraph, C, R, effort

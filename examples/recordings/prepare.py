@@ -2,6 +2,7 @@
 
     python examples/recordings/prepare.py servos|seals|damper|draining_tank FROM TO
 
+It needs pandas, which the extra `data` brings (`pip install '.[data]'`).
 `servos` writes the conditions of each run (gain, mass, arm) as channels beside it;
 `seals` makes a velocity from the position; `damper` filters force and velocity and
 thins them out, as its README does; `draining_tank` keeps the time in which it drains.
@@ -11,9 +12,16 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
+
+try:
+    import pandas as pd
+except ImportError:
+    raise SystemExit(
+        "Preparing recordings needs pandas: install the extra, "
+        "pip install -c constraints.txt '.[data]'"
+    ) from None
 
 Array = NDArray[np.float64]
 

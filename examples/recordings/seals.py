@@ -1,6 +1,6 @@
 """An O-ring that seals a pneumatic piston: constant friction beside the pressure.
 
-    python -m examples.recordings.prepare seals ../shared/recordings prepared
+    python examples/recordings/prepare.py seals ../shared/recordings prepared
     bondgraph diagnose examples/recordings/seals.py:seal prepared/o_ring_1bar.csv \
         prepared/o_ring_5bar.csv --held-out prepared/o_ring_7bar.csv
 

@@ -1,13 +1,15 @@
 """Two open tanks above each other: pump, upper tank, lower tank, linear outlets.
 
     bondgraph diagnose examples/recordings/tanks.py:tanks \
-        ../shared/recordings/tanks/estimation.csv --split 0.6 --window whole
+        ../shared/recordings/tanks/estimation.csv --split 0.6 --window whole \
+        --map pump_voltage=pump_voltage[m^3/s] --map level_sensor=level_sensor[Pa]
 
-Only the level of the lower tank is measured, in volts of its sensor, so the model is an
-analogue: levels are efforts in volts, and the scale of the upper one, which nothing
-reads, is fixed by its capacity. Water falls from one tank into the next, so that the
-lower level does not push back. What it leaves out: outflow with the root of the level,
-and the overflow of the upper tank (Schoukens, Mattsson, Wigren and Noël, 2016).
+Only the level of the lower tank is measured, in volts of its sensor, and the pump's
+flow in volts: the mapping takes both for SI units. The scale of the upper level, which
+nothing reads, is fixed by its capacity. Water falls from one tank into the next, so
+that the lower level does not push back. What it leaves out: outflow with the root of
+the level, and the overflow of the upper tank (Schoukens, Mattsson, Wigren and Noël,
+2016).
 """
 
 from bondgraph import BondGraph, C, R, Sf, effort, flow

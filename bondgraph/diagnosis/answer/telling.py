@@ -93,7 +93,7 @@ def answer(
         blame=_blame(rounds[0]),
         fit_before=before,
         fit_after=after,
-        fit_all=_delivered(final, recordings, held_out, options),
+        fit_all=_delivered(graph, final, (*recordings, *held_out), options),
         traces=traces(base, final, held_out),
         recovered=tuple(law for law in laws if law is not None),
         notes=_notes(rounds, after, options),
@@ -123,13 +123,15 @@ def _checked(
 
 
 def _delivered(
+    start: FinishedGraph,
     final: FittedModel,
-    recordings: Sequence[BoundRecording],
-    held_out: Sequence[BoundRecording],
+    everything: Sequence[BoundRecording],
     options: Options,
 ) -> FitResult:
-    """Return the final model refitted on everything recorded, to be used from here."""
-    everything = (*recordings, *held_out)
+    """Return the final model refitted on everything recorded, to be used from here.
+
+    Its estimates tell the user's own start values, where the user's model has them.
+    """
     settings = replace(
         options.settings,
         horizon=final.horizon,
@@ -137,7 +139,7 @@ def _delivered(
         hold=final.problem.hold,
     )
     graph = final.graph.with_parameters(final.values)
-    return report(fit_model(graph, everything, settings), final.graph, everything)
+    return report(fit_model(graph, everything, settings), start, everything)
 
 
 def _findings(
@@ -193,7 +195,9 @@ def _wider(found: Round, options: Options) -> list[Judged]:
         if chosen is not None
         and j.place == chosen.place
         and chosen.physics in j.candidate.hypothesis.extends
-        and not clearly_better(j, chosen, options.rule)
+        and (
+            j.support is Support.REFUTED or not clearly_better(j, chosen, options.rule)
+        )
     ]
 
 

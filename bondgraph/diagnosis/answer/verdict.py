@@ -25,6 +25,9 @@ NOTHING = (AdequacyStatus.ADEQUATE, AdequacyStatus.COLOURED)
 MOST_REMAINING = 0.5
 """Findings that leave more than this share of the error have not found the cause."""
 
+MANY = 1000
+"""Beyond it, how many times the noise says more of the noise than of the model."""
+
 ADEQUATE_RATIO = 3.0
 """A residual below this many times the noise floor needs no more explanation."""
 
@@ -110,7 +113,7 @@ def verdict_of(
         )
     if worst > ADEQUATE_RATIO:
         return Verdict.UNEXPLAINED, (
-            f"The residual is {worst:.1f} times the measurement noise, and none of the "
+            f"The residual is {_times(worst)} the measurement noise, and none of the "
             f"{first.tried} candidates explains it on data that were left out."
         )
     return Verdict.ADEQUATE, (
@@ -150,7 +153,11 @@ def not_simulated(verdict: Verdict, statement: str) -> tuple[Verdict, str]:
 def _residual_words(ratio: float) -> str:
     if np.isnan(ratio):
         return "the noise of a steady table is not known"
-    return f"the residual is {ratio:.1f} times the measurement noise"
+    return f"the residual is {_times(ratio)} the measurement noise"
+
+
+def _times(ratio: float) -> str:
+    return f"{ratio:.1f} times" if ratio < MANY else f"more than {MANY} times"
 
 
 def _tried_words(tried: int) -> str:

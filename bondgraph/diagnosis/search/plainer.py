@@ -1,8 +1,9 @@
 """The plainer law, where what a wider one adds turns out to be nothing.
 
 The search compares laws over short windows; the final fit, over the horizon that suits
-it, knows the parameters better. Where all that a chosen law has beyond a supported
-narrower one is there zero within its error, the narrower one is told.
+it, knows the parameters better. Where all that a law has beyond a supported narrower
+one is there zero within its error, or not determined, the narrower one is told, and the
+wider one refuted.
 """
 
 from collections.abc import Sequence
@@ -18,6 +19,8 @@ from bondgraph.recordings.binding import BoundRecording
 ERRORS = 2.0
 """Standard deviations within which a strength is nothing."""
 
+REASON = "the final fit finds what it adds to the plainer law to be nothing"
+
 
 def without_needless_parts(
     rounds: Sequence[Round],
@@ -26,43 +29,99 @@ def without_needless_parts(
     options: Options,
 ) -> tuple[list[Round], FittedModel]:
     """Return the rounds and the final model with plainer laws where they suffice."""
-    estimates = report(final, final.graph, recordings).estimates
-    nothing = {
-        e.name
-        for e in estimates
-        if e.std is not None and abs(e.value) <= ERRORS * e.std
-    }
-    plain = [_plainer(one, nothing) for one in rounds]
-    if all(new is old for new, old in zip(plain, rounds, strict=True)):
-        return list(rounds), final
-    gone = {id(h) for one in plain for h in one.removed}
-    hypotheses = [
-        one.chosen.candidate.hypothesis
-        for one in plain
-        if one.chosen is not None and id(one.chosen.candidate.hypothesis) not in gone
-    ]
-    fitted = fitted_with(rounds[0].base, final, hypotheses)
-    return plain, sharpened(fitted, recordings, options)
+    plain = list(rounds)
+    for i, found in enumerate(rounds):
+        narrower = _narrower(found)
+        if narrower is None:
+            continue
+        finals = {id(found.chosen): final}
+        for wide in _wider(found, narrower):
+            if id(wide) not in finals:
+                chosen = [*plain[:i], replace(found, chosen=wide), *plain[i + 1 :]]
+                finals[id(wide)] = _sharpened_with(chosen, final, recordings, options)
+        needless = [
+            wide
+            for wide in _wider(found, narrower)
+            if _adds_nothing(wide, narrower, finals[id(wide)], recordings)
+        ]
+        plain[i] = _refuted(found, narrower, needless)
+        if plain[i].chosen is not found.chosen:
+            final = _sharpened_with(plain, final, recordings, options)
+    return plain, final
 
 
-def _plainer(found: Round, nothing: set[str]) -> Round:
-    """Return the round with a narrower law chosen, where the wider adds nothing."""
-    if found.chosen is None:
-        return found
-    wide = found.chosen.candidate.hypothesis
-    narrower = [
+def _narrower(found: Round) -> Judged | None:
+    """Return the narrowest supported law that the chosen one is or contains."""
+    chosen = found.chosen
+    if chosen is None:
+        return None
+    contained = [
         j
         for j in found.judged
-        if j.place == found.chosen.place
+        if j.place == chosen.place
         and j.support is Support.SUPPORTED
-        and j.physics in wide.extends
-        and _added(wide.strengths, j) <= nothing
-        and _added(wide.strengths, j)
+        and j.physics in chosen.candidate.hypothesis.extends
+        and _added(chosen, j)
     ]
-    if not narrower:
-        return found
-    return replace(found, chosen=max(narrower, key=lambda j: j.gain.value))
+    return max(contained, key=lambda j: j.gain.value, default=chosen)
 
 
-def _added(strengths: Sequence[str], narrower: Judged) -> set[str]:
-    return set(strengths) - set(narrower.candidate.hypothesis.parameters)
+def _wider(found: Round, narrower: Judged) -> list[Judged]:
+    """Return the supported laws at the place that contain the narrower one."""
+    return [
+        j
+        for j in found.judged
+        if j.place == narrower.place
+        and j.support is Support.SUPPORTED
+        and narrower.physics in j.candidate.hypothesis.extends
+        and _added(j, narrower)
+    ]
+
+
+def _added(wide: Judged, narrower: Judged) -> set[str]:
+    """Return the strengths that the wider law has beyond the narrower one."""
+    own = set(wide.candidate.hypothesis.strengths)
+    return own - set(narrower.candidate.hypothesis.parameters)
+
+
+def _adds_nothing(
+    wide: Judged,
+    narrower: Judged,
+    final: FittedModel,
+    recordings: Sequence[BoundRecording],
+) -> bool:
+    added = _added(wide, narrower)
+    return all(
+        e.std is None or abs(e.value) <= ERRORS * e.std
+        for e in report(final, final.graph, recordings).estimates
+        if e.name in added
+    )
+
+
+def _refuted(found: Round, narrower: Judged, needless: Sequence[Judged]) -> Round:
+    """Return the round with needless laws refuted, and the narrower one chosen."""
+    gone = {id(wide) for wide in needless}
+    judged = tuple(
+        replace(j, support=Support.REFUTED, reason=REASON) if id(j) in gone else j
+        for j in found.judged
+    )
+    if id(found.chosen) not in gone:
+        return replace(found, judged=judged)
+    # The resamples had asked for the wider law.
+    return replace(found, judged=judged, chosen=narrower, probability=None)
+
+
+def _sharpened_with(
+    rounds: Sequence[Round],
+    final: FittedModel,
+    recordings: Sequence[BoundRecording],
+    options: Options,
+) -> FittedModel:
+    """Return the final fit of the first model with what the rounds have chosen."""
+    removed = {id(hypothesis) for one in rounds for hypothesis in one.removed}
+    chosen = [one.chosen.candidate for one in rounds if one.chosen is not None]
+    kept = [one for one in chosen if id(one.hypothesis) not in removed]
+    values = {name: v for one in kept for name, v in one.fitted.values.items()}
+    hypotheses = [one.hypothesis for one in kept]
+    fitted = fitted_with(rounds[0].base, final, hypotheses, values)
+    return sharpened(fitted, recordings, options)

@@ -5,7 +5,7 @@ added, the first may have nothing left to explain. Every earlier addition is tak
 again, the rest is refitted, and the two models are compared on left-out data.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -56,7 +56,7 @@ def pruned(
     for hypothesis in added[:-1]:
         rest = [one for one in kept if one is not hypothesis]
         try:
-            without = fitted_with(first, fitted, rest)
+            without = fitted_with(first, fitted, rest, {})
         except BondGraphError:
             continue  # A later addition changes what this one has added.
         plainer = len(without.problem.free) <= len(before.problem.free)
@@ -67,9 +67,18 @@ def pruned(
 
 
 def fitted_with(
-    first: FittedModel, fitted: FittedModel, hypotheses: Sequence[Hypothesis]
+    first: FittedModel,
+    fitted: FittedModel,
+    hypotheses: Sequence[Hypothesis],
+    values: Mapping[str, float],
 ) -> FittedModel:
-    """Return the first model with the hypotheses, fitted from the other's values."""
+    """Return the first model with the hypotheses, fitted from the other's values.
+
+    Parameters
+    ----------
+    values
+        Start values of what neither of the two models has.
+    """
     graph = first.graph
     for hypothesis in hypotheses:
         graph = hypothesis.apply(graph)
@@ -80,8 +89,8 @@ def fitted_with(
     start = [centre.get(n, v) for n, v in zip(names, problem.start, strict=True)]
     problem = replace(problem, start=np.array(start))
     # What the additions had replaced has its value in the first model only.
-    values = {**first.values, **fitted.values}
-    theta = np.array([values[names[i]] for i in problem.free])
+    known = {**values, **first.values, **fitted.values}
+    theta = np.array([known[names[i]] for i in problem.free])
     initial = initial_states(fitted, model.state_names)
     optimum = minimise(
         problem, theta, initial, iterations=ITERATIONS, tolerance=TOLERANCE
