@@ -7,10 +7,11 @@ the banded matrix of the model, so gᵀΓg = σ²|A⁻ᵀg|²: a filter run back
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+
+from bondgraph.fitting.autoregression import autocovariance, levinson
 
 Array = NDArray[np.float64]
 MOST_ORDER = 12
@@ -77,17 +78,18 @@ def colour_of(residual: Array, edges: tuple[int, ...], fitted: int) -> Colour:
     n = len(residual)
     shortest = int(min(np.diff(edges)))
     most = min(MOST_ORDER, shortest // SAMPLES_PER_ORDER)
-    covariance = _autocovariance(residual, edges, most)
+    covariance = autocovariance(residual, edges, most)
     if covariance[0] <= 0.0:
         return Colour(np.zeros(0), 0.0)
     grown = covariance[0] * n / max(n - fitted, 1)
     best, lowest = Colour(np.zeros(0), float(grown)), n * np.log(covariance[0])
-    for order, (coefficients, error) in enumerate(_levinson(covariance), start=1):
+    for coefficients, _, error in levinson(covariance):
+        order = len(coefficients)
         score = n * np.log(max(error, 1e-300)) + order * np.log(n)
         if score < lowest:
             lowest = score
             raised = _raised(coefficients, n, fitted)
-            best = Colour(raised, float(error) * n / max(n - fitted - order, 1))
+            best = Colour(raised, error * n / max(n - fitted - order, 1))
     return best
 
 
@@ -99,31 +101,3 @@ def _raised(coefficients: Array, n: int, fitted: int) -> Array:
     raised = min(total + (1.0 + 3.0 * total) / n, max(LARGEST_SUM, total))
     result: Array = coefficients * raised / total
     return result
-
-
-def _autocovariance(residual: Array, edges: tuple[int, ...], most: int) -> Array:
-    """Return the autocovariances 0 … most, within windows only."""
-    total = np.zeros(most + 1)
-    for start, stop in pairwise(edges):
-        own = residual[start:stop]
-        for lag in range(most + 1):
-            total[lag] += float(own[lag:] @ own[: len(own) - lag])
-    covariance: Array = total / len(residual)
-    return covariance
-
-
-def _levinson(covariance: Array) -> list[tuple[Array, float]]:
-    """Return coefficients and innovation variance of all orders (Levinson, Durbin)."""
-    found: list[tuple[Array, float]] = []
-    coefficients, error = np.zeros(0), float(covariance[0])
-    for order in range(1, len(covariance)):
-        past = covariance[1:order][::-1]
-        reflection = (covariance[order] - float(coefficients @ past)) / error
-        coefficients = np.concatenate(
-            [coefficients - reflection * coefficients[::-1], [reflection]]
-        )
-        error *= 1.0 - reflection**2
-        if error <= 0.0:
-            break
-        found.append((coefficients, error))
-    return found

@@ -13,6 +13,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.fitting.autoregression import autocovariance, levinson
+
 Array = NDArray[np.float64]
 MOST_ORDER = 20
 SAMPLES_PER_ORDER = 6
@@ -57,24 +59,15 @@ WHITE = Autoregression(np.zeros(0), np.zeros(0))
 
 def correlations(residual: Array, edges: tuple[int, ...], lags: int) -> Array:
     """Return autocorrelations at lags 0 … `lags`, pooled over windows."""
-    sums = np.zeros(lags + 1)
-    for a, b in pairwise(edges):
-        part = residual[a:b]
-        for lag in range(min(lags + 1, len(part))):
-            sums[lag] += part[lag:] @ part[: len(part) - lag]
-    return sums / sums[0] if sums[0] > 0.0 else sums
+    found = autocovariance(residual, edges, lags)
+    return found / found[0] if found[0] > 0.0 else found
 
 
 def reflections(correlation: Array) -> tuple[Array, Array]:
-    """Return reflection coefficients and remaining variances (Levinson, Durbin)."""
-    order = len(correlation) - 1
-    a, found, variance = np.zeros(0), np.zeros(order), np.ones(order + 1)
-    for m in range(order):
-        miss = correlation[m + 1] - a @ correlation[m:0:-1][: len(a)]
-        r = float(np.clip(miss / variance[m], -STABLE, STABLE))
-        a = np.append(a - r * a[::-1], r)
-        found[m], variance[m + 1] = r, variance[m] * (1.0 - r * r)
-    return found, variance
+    """Return reflection coefficients, and remaining variances from order 0 on."""
+    orders = list(levinson(correlation, largest=STABLE))
+    found = np.array([order.reflection for order in orders])
+    return found, np.array([1.0, *(order.error for order in orders)])
 
 
 def chosen_order(variance: Array, n: int) -> int:

@@ -14,6 +14,7 @@ from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.records import Finding, Support, Verdict
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.diagnosis.search.rounds import Round
+from bondgraph.diagnosis.virtual.noise import output_noise
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.noise import NoiseEstimate, estimate_noise
@@ -34,10 +35,8 @@ ADEQUATE_RATIO = 3.0
 
 def noise_floor(recordings: Sequence[BoundRecording]) -> dict[str, float]:
     """Return the measurement noise of each output, the largest over recordings."""
-    return {
-        name: max((one.std for one in _noise(recordings, i)), default=0.0)
-        for i, name in enumerate(recordings[0].output_names)
-    }
+    names, noise = recordings[0].output_names, output_noise(recordings)
+    return {name: one.std or 0.0 for name, one in zip(names, noise, strict=True)}
 
 
 def excusable(recordings: Sequence[BoundRecording]) -> Array:
