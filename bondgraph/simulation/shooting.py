@@ -13,11 +13,12 @@ from bondgraph.numeric.model import NumericModel
 from bondgraph.numeric.set_valued import SetValuedForm
 from bondgraph.simulation.engines import PAYING, Engine
 from bondgraph.simulation.native_shooting import Windows, run_native
-from bondgraph.simulation.solvers import Hold, RungeKutta4, Solver
+from bondgraph.simulation.solvers import Hold, Implicit, RungeKutta4, Solver
 from bondgraph.simulation.trouble import CODES, RunStatus, Trouble, unknown_names
 
 if TYPE_CHECKING:
     from bondgraph.numeric.kernel.native_steps import Fast
+    from bondgraph.numeric.kernel.stage_arrays import System
 
 Array = NDArray[np.float64]
 THREADS = 2
@@ -124,29 +125,59 @@ def shoot(
     EquationError
         If an explicit method is asked for a model whose rates are only implicit.
     """
-    if isinstance(solver, RungeKutta4) or engine.compiles(model, len(shots.time)):
-        windows = Windows(
-            np.ascontiguousarray(shots.time, dtype=np.float64),
-            np.ascontiguousarray(shots.inputs, dtype=np.float64),
-            np.array(shots.edges, dtype=np.int64),
-            np.ascontiguousarray(initial, dtype=np.float64),
+    if isinstance(solver, RungeKutta4):
+        return _by_native_code(
+            model, shots, parameters, initial, directions, solver, hold
         )
-        run = run_native(
-            model,
-            windows,
-            np.ascontiguousarray(parameters, dtype=np.float64),
-            directions,
-            solver,
-            zero_hold=hold is Hold.ZERO,
+    if engine.compiles(model, len(shots.time)):
+        native = _by_native_code(
+            model, shots, parameters, initial, directions, solver, hold
         )
-        completed = run.done == np.diff(shots.edges)
         # Where native code failed, the tape says why.
-        if isinstance(solver, RungeKutta4) or completed.all():
-            troubles = _troubles(model, shots, run.outputs, run.done, None)
-            fine = np.array([trouble is None for trouble in troubles])
-            return Shooting(run.outputs, run.states, run.sensitivities, fine, troubles)
+        if native.completed.all():
+            return native
+    return _by_tape(model, shots, parameters, initial, directions, solver, hold, engine)
+
+
+def _by_native_code(
+    model: NumericModel,
+    shots: Shots,
+    parameters: Array,
+    initial: Array,
+    directions: NDArray[np.int64] | None,
+    solver: Solver,
+    hold: Hold,
+) -> Shooting:
+    windows = Windows(
+        np.ascontiguousarray(shots.time, dtype=np.float64),
+        np.ascontiguousarray(shots.inputs, dtype=np.float64),
+        np.array(shots.edges, dtype=np.int64),
+        np.ascontiguousarray(initial, dtype=np.float64),
+    )
+    run = run_native(
+        model,
+        windows,
+        np.ascontiguousarray(parameters, dtype=np.float64),
+        directions,
+        solver,
+        zero_hold=hold is Hold.ZERO,
+    )
+    troubles = _troubles(model, shots, run.outputs, run.done, None)
+    fine = np.array([trouble is None for trouble in troubles], dtype=np.bool_)
+    return Shooting(run.outputs, run.states, run.sensitivities, fine, troubles)
+
+
+def _by_tape(
+    model: NumericModel,
+    shots: Shots,
+    parameters: Array,
+    initial: Array,
+    directions: NDArray[np.int64] | None,
+    solver: Implicit,
+    hold: Hold,
+    engine: Engine,
+) -> Shooting:
     from bondgraph.numeric.kernel.method import Method  # noqa: PLC0415
-    from bondgraph.numeric.kernel.stage_arrays import System  # noqa: PLC0415
     from bondgraph.numeric.kernel.windows import (  # noqa: PLC0415  (loads numba)
         Results,
         integrate_windows,
@@ -159,9 +190,46 @@ def shoot(
     states = np.full((n, nx), np.nan)
     sensitivities = np.zeros((n if directions is not None else 0, ny, nd))
     form = model if model.set_valued is None else model.set_valued
+    system = _system(model)
+    dry = system.nd
+    method = Method(*solver.tableau, solver.substeps, hold is Hold.ZERO)
+    values = np.concatenate([parameters, np.zeros(2 * dry)])
+    fast, code = _fast(model, engine, n, sensitive=nd > 0)
+
+    edges = np.array(shots.edges, dtype=np.int64)
+    done = np.zeros(shots.n_windows, dtype=np.int64)
+    trouble = np.zeros((shots.n_windows, 2), dtype=np.int64)
+    modes, since = np.zeros((n, dry), np.int64), np.full((n, dry), -np.inf)
+    results = Results(outputs, sensitivities, states, modes, since)
+    initial = np.ascontiguousarray(initial, dtype=np.float64)
+    constants, output_constants = form.dynamics.constants, form.output.constants
+
+    def some(first: int, last: int) -> None:
+        integrate_windows(
+            system, fast, method, constants, output_constants, values, wanted,
+            shots.time, shots.inputs, initial, results, edges, first, last, done,
+            trouble,
+        )  # fmt: skip
+
+    share = np.linspace(0, shots.n_windows, THREADS + 1).astype(int).tolist()
+    with ThreadPoolExecutor(THREADS) as pool:
+        list(pool.map(some, share[:-1], share[1:]))
+    del code  # it was needed until here
+    troubles = _troubles(model, shots, outputs, done, trouble)
+    fine = np.array([found is None for found in troubles], dtype=np.bool_)
+    if not dry:
+        return Shooting(outputs, states, sensitivities, fine, troubles)
+    return Shooting(outputs, states, sensitivities, fine, troubles, modes, since)
+
+
+def _system(model: NumericModel) -> "System":
+    """Return the model as the kernel sees it; dry friction's λ are at the end of z."""
+    from bondgraph.numeric.kernel.stage_arrays import System  # noqa: PLC0415
+
+    form = model if model.set_valued is None else model.set_valued
     dry = 0 if model.set_valued is None else len(model.set_valued.places)
-    dynamics, output = form.dynamics, form.output
-    system = System(
+    dynamics, output, nx = form.dynamics, form.output, model.n_states
+    return System(
         dynamics=dynamics.code,
         first=dynamics.n_variables + len(dynamics.constants),
         rate=np.ascontiguousarray(dynamics.outputs[:nx]),
@@ -177,34 +245,6 @@ def shoot(
         linear=form.linear,
         instantaneous=form.instantaneous,
     )
-    assert not isinstance(solver, RungeKutta4)  # answered above
-    method = Method(*solver.tableau, solver.substeps, hold is Hold.ZERO)
-    values = np.concatenate([parameters, np.zeros(2 * dry)])
-    fast, code = _fast(model, engine, n, sensitive=nd > 0)
-
-    edges = np.array(shots.edges, dtype=np.int64)
-    done = np.zeros(shots.n_windows, dtype=np.int64)
-    trouble = np.zeros((shots.n_windows, 2), dtype=np.int64)
-    modes, since = np.zeros((n, dry), np.int64), np.full((n, dry), -np.inf)
-    results = Results(outputs, sensitivities, states, modes, since)
-    initial = np.ascontiguousarray(initial, dtype=np.float64)
-
-    def some(first: int, last: int) -> None:
-        integrate_windows(
-            system, fast, method, dynamics.constants, output.constants, values, wanted,
-            shots.time, shots.inputs, initial, results, edges, first, last, done,
-            trouble,
-        )  # fmt: skip
-
-    share = np.linspace(0, shots.n_windows, THREADS + 1).astype(int).tolist()
-    with ThreadPoolExecutor(THREADS) as pool:
-        list(pool.map(some, share[:-1], share[1:]))
-    del code  # it was needed until here
-    troubles = _troubles(model, shots, outputs, done, trouble)
-    fine = np.array([found is None for found in troubles], dtype=np.bool_)
-    if not dry:
-        return Shooting(outputs, states, sensitivities, fine, troubles)
-    return Shooting(outputs, states, sensitivities, fine, troubles, modes, since)
 
 
 def _fast(
