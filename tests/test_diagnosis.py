@@ -90,6 +90,12 @@ def test_what_is_concealed_is_found_named_and_measured(
     # The improvement holds on a recording that no choice has seen.
     assert diagnosis.held_out.after.nrmse < 0.2 * diagnosis.held_out.before.nrmse
     assert diagnosis.traces[0].after.shape == diagnosis.traces[0].measured.shape
+    # Rivals draw the same curve, though each was fitted with a friction of its own.
+    (law,) = diagnosis.recovered
+    assert law.others
+    for rival in law.others:
+        chosen = np.interp(rival.argument, law.curve_argument, law.curve_value)
+        assert np.corrcoef(rival.value, chosen)[0, 1] > 0.9, rival.physics
 
 
 @pytest.mark.parametrize("seed", [3, 4, 5])

@@ -105,12 +105,22 @@ class Trace:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class LawCurve:
+    """Another law that was judged at the same place, as it was fitted there."""
+
+    physics: str
+    argument: NDArray[np.float64]
+    value: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RecoveredLaw:
     """The missing effort (or flow) recovered at a place, against a local variable.
 
     ``argument`` and ``value`` are the data cloud (one point per knot of the recovered
     signal); ``curve_argument`` and ``curve_value`` the law of the finding over the
-    range visited, empty when no law was found.
+    range visited, empty when no law was found. ``others`` are the curves of other laws
+    judged there, best first.
     """
 
     place: str
@@ -122,6 +132,7 @@ class RecoveredLaw:
     value: NDArray[np.float64]
     curve_argument: NDArray[np.float64]
     curve_value: NDArray[np.float64]
+    others: tuple[LawCurve, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.probing import common_signal, probe, recover
+from bondgraph.diagnosis.answer.drawn_laws import law_curve, rival_curves
+from bondgraph.diagnosis.probing import common_signal, recover
 from bondgraph.diagnosis.records import RecoveredLaw, Trace
 from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.fitting.estimate import FittedModel, first_guess, pose, score
@@ -16,8 +17,7 @@ from bondgraph.fitting.result import Score
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.edits import InsertElement
-from bondgraph.structure.elements import EffortSource, FlowSource, OneJunction
-from bondgraph.structure.signals import Signal
+from bondgraph.structure.elements import OneJunction
 
 Array = NDArray[np.float64]
 CLOUD_POINTS = 200
@@ -109,13 +109,15 @@ def recovered_law(
     candidate: Candidate,
     final: FittedModel,
     recordings: Sequence[BoundRecording],
+    others: Sequence[Candidate] = (),
 ) -> RecoveredLaw | None:
     """Return the recovered signal at the candidate's place against what it depends on.
 
     The signal is recovered with the *final* model's parameters and the candidate's
     element taken out again, so that the cloud shows the law and not the bias that its
     absence put into other parameters. None where the model has no time, or where the
-    candidate replaced a law, so that nothing can be taken out again.
+    candidate replaced a law, so that nothing can be taken out again. `others` at the
+    same place are drawn beside it where they are insertions too.
     """
     hypothesis = candidate.hypothesis
     if base.problem.model.n_states == 0 or not hypothesis.depends_on:
@@ -142,7 +144,7 @@ def recovered_law(
     if argument not in signal.local:
         return None
     x, y = signal.local[argument], -signal.value
-    curve_x, curve_y = _curve(final, candidate, argument)
+    curve_x, curve_y = law_curve(final, candidate, argument)
     domain = base.graph.domain_at(hypothesis.place)
     is_one = isinstance(_junction(base, hypothesis.place), OneJunction)
     answer = Quantity.EFFORT if is_one else Quantity.FLOW
@@ -156,6 +158,7 @@ def recovered_law(
         value=y,
         curve_argument=curve_x,
         curve_value=curve_y,
+        others=rival_curves(final, others, argument),
     )
 
 
@@ -166,25 +169,3 @@ def _junction(fitted: FittedModel, place: str):  # type: ignore[no-untyped-def]
 def _cloud_windows(recordings: Sequence[BoundRecording]) -> Windows:
     samples = sum(len(recording) for recording in recordings) // CLOUD_POINTS
     return Windows(max(samples, 12))
-
-
-def _curve(
-    final: FittedModel, candidate: Candidate, argument: str
-) -> tuple[Array, Array]:
-    """Return the law along the simulated motion of the final model, sorted."""
-    hypothesis = candidate.hypothesis
-    junction = _junction(final, hypothesis.place)
-    own = (
-        common_signal(junction)
-        if argument != Quantity.DISPLACEMENT.value
-        else Signal(Quantity.DISPLACEMENT, hypothesis.place)
-    )
-    is_one = isinstance(junction, OneJunction)
-    answer = Signal(Quantity.EFFORT if is_one else Quantity.FLOW, hypothesis.element)
-    read = probe(final, (own, answer))
-    # A source counts what it gives, an R what it takes.
-    element = final.graph.node(hypothesis.element)
-    sign = -1.0 if isinstance(element, EffortSource | FlowSource) else 1.0
-    order = np.argsort(read[own])
-    chosen = order[:: max(len(order) // 400, 1)]
-    return read[own][chosen], sign * read[answer][chosen]

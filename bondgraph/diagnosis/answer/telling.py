@@ -35,12 +35,16 @@ from bondgraph.diagnosis.records import (
     Finding,
     Support,
 )
+from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.rounds import Options, Round, explainable
 from bondgraph.fitting.estimate import FittedModel, fit_model, report
 from bondgraph.fitting.result import FitResult
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
+
+DRAWN_RIVALS = 4
+"""How many other laws are drawn over the cloud of a recovered one."""
 
 
 def answer(
@@ -76,7 +80,7 @@ def answer(
         verdict, statement = with_values(verdict, statement, wrong)
     candidates = _evidence(rounds)
     laws = [
-        recovered_law(r.base, r.chosen.candidate, final, recordings)
+        recovered_law(r.base, r.chosen.candidate, final, recordings, _rivals(r))
         for r in accepted
         if r.chosen is not None
     ]
@@ -110,6 +114,17 @@ def _accepted(rounds: Sequence[Round]) -> list[Round]:
         if found.chosen is not None
         and id(found.chosen.candidate.hypothesis) not in removed
     ]
+
+
+def _rivals(found: Round) -> list[Candidate]:
+    """Return the best of each other physics judged at the chosen place."""
+    chosen = found.chosen
+    assert chosen is not None
+    best: dict[str, Judged] = {}
+    for judged in sorted(found.judged, key=lambda j: -j.gain.value):
+        if judged.place == chosen.place and judged.physics != chosen.physics:
+            best.setdefault(judged.physics, judged)
+    return [judged.candidate for judged in list(best.values())[:DRAWN_RIVALS]]
 
 
 def _checked(
