@@ -93,7 +93,10 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trace:
-    """One output channel of one held-out recording: measured, before and after."""
+    """One output channel of one held-out recording: measured, before and after.
+
+    Of a `steady` one, a table of operating points, the time merely counts the rows.
+    """
 
     recording: str
     channel: str
@@ -102,6 +105,7 @@ class Trace:
     measured: NDArray[np.float64]
     before: NDArray[np.float64]
     after: NDArray[np.float64]
+    steady: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -99,6 +99,7 @@ def traces(
                     measured=before.measured[:, i],
                     before=before.outputs[:, i],
                     after=after.outputs[:, i],
+                    steady=recording.steady,
                 )
             )
     return tuple(found)
