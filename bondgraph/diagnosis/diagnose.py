@@ -25,8 +25,9 @@ from bondgraph.diagnosis.search.rounds import (
     search_settings,
     sharpened,
 )
+from bondgraph.diagnosis.work.clock import Progress
 from bondgraph.diagnosis.work.journal import Journal
-from bondgraph.diagnosis.work.workers import Progress, workshop
+from bondgraph.diagnosis.work.workers import workshop
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import fit_model
 from bondgraph.recordings.binding import BoundRecording

@@ -1,14 +1,18 @@
 """A journal: what has been worked out so far, kept in a file, to go on from there.
 
 One line of JSON per result, written as soon as it is known. The key of a result says
-all that it depends on (`fingerprint`), so that a journal of another model, other
-recordings or other choices is not mistaken for one's own: its lines are not found.
-Numbers are written so that they are read back to the last bit.
+all that it depends on (`fingerprint`), and every line says which sources wrote it, so
+that a journal of another model, other recordings, other choices or another version is
+not mistaken for one's own: its lines are not found. Numbers are written so that they
+are read back to the last bit. Nothing in the file is ever executed.
 """
 
 import hashlib
 import json
+import os
 from dataclasses import dataclass, field
+from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +22,19 @@ from bondgraph.errors import BondGraphError
 
 Plain = dict[str, Any]
 FILE = "journal.jsonl"
+COMPUTED_WITH = ("numpy", "scipy", "sympy", "numba")
+"""Packages of which another version may change the last bits of a result."""
 
 
 @dataclass(slots=True)
 class Journal:
-    """Results by key, in memory and, where it has a directory, in a file there."""
+    """Results by key, in memory and, where it has a directory, in a file there.
+
+    Raises
+    ------
+    BondGraphError
+        If the directory cannot be made, read or written to.
+    """
 
     directory: Path | None = None
     _known: dict[str, Plain] = field(default_factory=dict, init=False)
@@ -32,44 +44,71 @@ class Journal:
             return
         try:
             self.directory.mkdir(parents=True, exist_ok=True)
-            text = self._path.read_text("utf-8") if self._path.exists() else ""
+            content = self._path.read_bytes() if self._path.exists() else b""
+            # A line that was cut off is ended; and what cannot be written shows now.
+            self._append(b"" if not content or content.endswith(b"\n") else b"\n")
         except OSError as error:
-            raise BondGraphError(
-                f"The journal in {str(self.directory)!r} cannot be used "
-                f"({error.strerror}).",
-                (str(self.directory),),
-                "Name a directory that may be written to.",
-            ) from error
-        for line in text.splitlines():
+            raise self._refused(error) from error
+        for line in content.splitlines():
             self._remember(line)
-        if text and not text.endswith("\n"):
-            self._append("\n")
 
     @property
     def _path(self) -> Path:
         assert self.directory is not None
         return self.directory / FILE
 
-    def _remember(self, line: str) -> None:
+    def _remember(self, line: bytes) -> None:
+        """Take over a line; one that is damaged or not ours is worked out anew."""
         try:
             entry = json.loads(line)
-        except json.JSONDecodeError:
-            return  # Cut off in the middle of a line: that result is worked out anew.
-        self._known[entry["key"]] = entry["result"]
+        except (ValueError, RecursionError):
+            return
+        match entry:
+            case {"key": str(key), "by": by, "result": dict(result)} if by == sources():
+                self._known[key] = result
 
     def get(self, key: str) -> Plain | None:
         """Return the result called `key`, or None where there is none yet."""
         return self._known.get(key)
 
-    def put(self, key: str, result: Plain) -> None:
-        """Keep a result."""
-        self._known[key] = result
+    def put(self, key: str, result: Plain) -> Plain:
+        """Keep a result, and return it as it will be read when the work goes on."""
+        line = json.dumps({"key": key, "by": sources(), "result": result})
         if self.directory is not None:
-            self._append(json.dumps({"key": key, "result": result}) + "\n")
+            try:
+                self._append(line.encode() + b"\n")
+            except OSError as error:
+                raise self._refused(error) from error
+        kept: Plain = json.loads(line)["result"]
+        self._known[key] = kept
+        return kept
 
-    def _append(self, text: str) -> None:
-        with self._path.open("a", encoding="utf-8") as file:
-            file.write(text)
+    def _append(self, line: bytes) -> None:
+        """Add a line in one write, so that lines of two processes do not mix."""
+        to_end = os.O_WRONLY | os.O_APPEND | os.O_CREAT
+        file = os.open(self._path, to_end, 0o666)
+        try:
+            while line:
+                line = line[os.write(file, line) :]
+        finally:
+            os.close(file)
+
+    def _refused(self, error: OSError) -> BondGraphError:
+        name = str(self.directory)
+        return BondGraphError(
+            f"The journal in {name!r} cannot be used ({error.strerror}).",
+            (name,),
+            "Name a directory that may be written to.",
+        )
+
+
+@cache
+def sources() -> str:
+    """Return a short text that changes with any source file that makes results."""
+    package = Path(__file__).parents[2]
+    files = sorted(package.rglob("*.py"))
+    parts = [(str(file.relative_to(package)), file.read_bytes()) for file in files]
+    return fingerprint([f"{name} {version(name)}" for name in COMPUTED_WITH], *parts)
 
 
 def fingerprint(*parts: object) -> str:

@@ -7,18 +7,19 @@ whoever finished first.
 """
 
 import os
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import Executor, Future, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
-from multiprocessing import get_context
-from time import monotonic
 from typing import Any
 
+from bondgraph.diagnosis.work.clock import Clock, Progress
 from bondgraph.diagnosis.work.journal import Journal, Plain
+from bondgraph.diagnosis.work.pool import Pool
+from bondgraph.errors import BondGraphError
 
 Work = Callable[[Any, Any], Plain]
-Progress = Callable[[str], None]
 
 BATCHES = 6
 """Batches per worker and list of items: few enough that the common part is sent seldom,
@@ -26,6 +27,9 @@ many enough that nobody waits long for the slowest."""
 
 POOL_PAYS = 20.0
 """Seconds of work from which starting processes pays; each needs some to begin."""
+
+PATIENCE = 3
+"""Workers that may be lost, one after another, before any answers in between."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +59,8 @@ class On:
     Parameters
     ----------
     executor
-        Anything with the interface of `concurrent.futures`; it is not shut down.
+        Anything with the interface of `concurrent.futures`; it is not shut down. Where
+        it breaks, what is left is done in this process.
     workers
         How many pieces of work it does at a time.
     """
@@ -74,7 +79,8 @@ class Workshop:
     where: Where
     journal: Journal
     progress: Progress
-    _pool: Executor | None = field(default=None, init=False)
+    _pool: Pool | None = field(default=None, init=False)
+    _broken: bool = field(default=False, init=False)
 
     def each(
         self, work: Work, common: Any, items: Sequence[Any], keys: Sequence[str],
@@ -89,6 +95,11 @@ class Workshop:
             depends on.
         what
             The step, for the progress: ``round 1: screening``.
+
+        Raises
+        ------
+        BondGraphError
+            If processes of this machine are lost again and again.
         """
         found = {key: self.journal.get(key) for key in keys}
         missing = {
@@ -96,68 +107,75 @@ class Workshop:
             for key, item in zip(keys, items, strict=True)
             if found[key] is None
         }
-        clock = _Clock(what, len(missing), self.progress)
-        for key, result in self._done(work, common, missing, clock):
-            self.journal.put(key, result)
-            found[key] = result
+        clock = Clock(what, len(missing), self.progress)
+        with closing(self._done(work, common, missing, clock)) as done:
+            for key, result in done:
+                found[key] = self.journal.put(key, result)
+                clock.tick()
         return [_known(found[key]) for key in keys]
 
     def _done(
-        self, work: Work, common: Any, items: dict[str, Any], clock: "_Clock"
-    ) -> Iterator[tuple[str, Plain]]:
+        self, work: Work, common: Any, items: dict[str, Any], clock: Clock
+    ) -> Generator[tuple[str, Plain], None, None]:
         """Yield results as they come: some here, the rest where it pays."""
-        waiting = dict(items)
-        executor = self._executor(0.0)
-        while waiting and executor is None:
-            key = next(iter(waiting))
-            yield key, work(common, waiting.pop(key))
-            left = clock.tick()
-            executor = self._executor(left) if len(waiting) > 1 else None
-        if not waiting or executor is None:
-            return
-        futures = self._submit(executor, work, common, waiting)
-        try:
-            for future in as_completed(futures):
-                for key, result in zip(futures[future], future.result(), strict=True):
+        waiting, lost = dict(items), 0
+        while waiting:
+            executor = self._executor(clock.left, len(waiting))
+            if executor is None:
+                key = next(iter(waiting))
+                yield key, work(common, waiting.pop(key))
+                continue
+            # After a loss one each, so that the others do not depend on what lost it.
+            size = 1 if lost else -(-len(waiting) // (BATCHES * self._workers))
+            try:
+                for key, result in _sent(executor, work, common, waiting, size):
+                    del waiting[key]
+                    lost = 0
                     yield key, result
-                    clock.tick()
-        except BaseException:
-            for future in futures:
-                future.cancel()
-            raise
+            except Exception as error:
+                lost += 1
+                self._go_on_after(error, lost, clock.what)
 
-    def _submit(
-        self, executor: Executor, work: Work, common: Any, items: dict[str, Any]
-    ) -> dict[Future[list[Plain]], list[str]]:
-        names = list(items)
-        size = max(-(-len(names) // (BATCHES * self._workers)), 1)
-        batches = [names[i : i + size] for i in range(0, len(names), size)]
-        return {
-            executor.submit(_batch, work, common, [items[n] for n in batch]): batch
-            for batch in batches
-        }
+    def _go_on_after(self, error: Exception, lost: int, what: str) -> None:
+        """Prepare to go on after a failure of an executor, or raise the error.
+
+        If it was the work that failed on the user's executor, it will fail here too.
+        """
+        if isinstance(self.where, On):
+            self._broken = True
+            self.progress(f"{what}: the executor failed ({error!r}), going on here")
+        elif not isinstance(error, BrokenProcessPool):
+            raise error
+        elif lost < PATIENCE:
+            self.close(now=True)
+            self.progress(f"{what}: a worker process was lost, starting another")
+        else:
+            raise BondGraphError(
+                f"{what}: a worker process was lost {lost} times in a row.",
+                (what,),
+                "If memory ran out, use fewer workers. Where there is a directory to "
+                "resume from, what was worked out is kept.",
+            ) from error
 
     @property
     def _workers(self) -> int:
         return 1 if isinstance(self.where, Here) else self.where.workers
 
-    def _executor(self, seconds_left: float) -> Executor | None:
+    def _executor(self, seconds_left: float, items: int) -> Executor | None:
         """Return where to send work of which so much is left, or None for here."""
         match self.where:
-            case On(executor=executor):
+            case On(executor=executor) if not self._broken:
                 return executor
             case Processes() if self._workers > 1:
-                if self._pool is None and seconds_left > POOL_PAYS:
-                    # A fork of a process with threads may hang.
-                    context = get_context("spawn")
-                    self._pool = ProcessPoolExecutor(self._workers, mp_context=context)
+                if self._pool is None and seconds_left > POOL_PAYS and items > 1:
+                    self._pool = Pool(self._workers)
                 return self._pool
         return None
 
     def close(self, *, now: bool) -> None:
         """End the processes that were started, waiting for them unless `now`."""
-        if isinstance(self._pool, ProcessPoolExecutor):
-            self._pool.shutdown(wait=not now, cancel_futures=True)
+        if self._pool is not None:
+            self._pool.end(now=now)
 
 
 @contextmanager
@@ -172,6 +190,24 @@ def workshop(where: Where, journal: Journal, progress: Progress) -> Iterator[Wor
     shop.close(now=False)
 
 
+def _sent(
+    executor: Executor, work: Work, common: Any, items: dict[str, Any], size: int
+) -> Iterator[tuple[str, Plain]]:
+    """Yield what an executor makes of items, `size` at a time, as it comes."""
+    names = list(items)
+    batches = [names[i : i + size] for i in range(0, len(names), size)]
+    futures: dict[Future[list[Plain]], list[str]] = {}
+    try:
+        for batch in batches:
+            parts = [items[name] for name in batch]
+            futures[executor.submit(_batch, work, common, parts)] = batch
+        for future in as_completed(futures):
+            yield from zip(futures[future], future.result(), strict=True)
+    finally:
+        for future in futures:
+            future.cancel()
+
+
 def _batch(work: Work, common: Any, items: Sequence[Any]) -> list[Plain]:
     return [work(common, item) for item in items]
 
@@ -179,26 +215,3 @@ def _batch(work: Work, common: Any, items: Sequence[Any]) -> list[Plain]:
 def _known(result: Plain | None) -> Plain:
     assert result is not None
     return result
-
-
-@dataclass(slots=True)
-class _Clock:
-    """Counts what is done and estimates what is left from the time it took."""
-
-    what: str
-    total: int
-    progress: Progress
-    done: int = 0
-    started: float = field(default_factory=monotonic)
-
-    def __post_init__(self) -> None:
-        if self.total:
-            self.progress(f"{self.what}, {self.total} to do")
-
-    def tick(self) -> float:
-        """Count one more; return the seconds left."""
-        self.done += 1
-        left = (monotonic() - self.started) / self.done * (self.total - self.done)
-        words = f", about {left:.0f} s left" if left >= 1.0 else ""
-        self.progress(f"{self.what}, {self.done} of {self.total}{words}")
-        return left

@@ -1,0 +1,84 @@
+"""Processes that work for this one and end when it does, however it ends.
+
+Every worker holds one end of a pipe and this process the other. When this process is
+done, interrupted or killed, its end is closed and the workers end at once: none stays
+behind to finish what nobody will read, or to wait for more.
+"""
+
+import os
+import signal
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager, suppress
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from threading import Thread
+from typing import Any
+
+
+class Pool(Executor):
+    """Processes of this machine, started when work is first submitted.
+
+    A process that is lost (killed, or out of memory) breaks all that was submitted
+    with it; after `end`, what is submitted starts others.
+    """
+
+    def __init__(self, workers: int) -> None:
+        self.workers = workers
+        self._processes: ProcessPoolExecutor | None = None
+        self._line: Connection | None = None
+
+    def submit(
+        self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any
+    ) -> Future[Any]:
+        """Have ``fn(*args, **kwargs)`` done by a process, and return its future."""
+        if self._processes is None:
+            # A fork of a process with threads may hang.
+            context = get_context("spawn")
+            theirs, self._line = context.Pipe(duplex=False)
+            self._processes = ProcessPoolExecutor(
+                self.workers,
+                mp_context=context,
+                initializer=_end_with,
+                initargs=(theirs,),
+            )
+        with _deaf():
+            return self._processes.submit(fn, *args, **kwargs)
+
+    def end(self, *, now: bool) -> None:
+        """End the processes: at once, or when they have done what was submitted."""
+        if self._processes is None or self._line is None:
+            return
+        if now:
+            self._line.close()
+        self._processes.shutdown(wait=not now, cancel_futures=now)
+        self._line.close()
+        self._processes = self._line = None
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Let processes started meanwhile never hear an interrupt from the keyboard.
+
+    This process hears it, afterwards, and ends them; each of them would only print
+    where it was.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _end_with(line: Connection) -> None:
+    """Have this worker end as soon as the other end of `line` is closed."""
+    Thread(target=_wait_and_end, args=(line,), daemon=True).start()
+
+
+def _wait_and_end(line: Connection) -> None:
+    with suppress(EOFError, OSError):
+        line.recv_bytes()
+    os._exit(1)
