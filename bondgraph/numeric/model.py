@@ -9,12 +9,30 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.equations.hard_contact import held_contacts, opened
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.numeric.set_valued import SetValuedForm, set_valued_form
 from bondgraph.numeric.tape import Tape, degrees, part, record_tape
 from bondgraph.structure.signals import t as time_symbol
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ContactForm:
+    """A model whose hard contacts are held open or shut by parameters.
+
+    Parameters
+    ----------
+    places
+        For each contact the elements whose law it is, in words.
+    held
+        An ordinary model; its last parameters and outputs are those of
+        `bondgraph.equations.hard_contact.HeldContacts`.
+    """
+
+    places: tuple[str, ...]
+    held: "NumericModel"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,6 +54,9 @@ class NumericModel:
     set_valued
         The same model with its dry friction set-valued, for solvers that can stick;
         None where nothing is dry. The functions above read ``sign(0) = 0``.
+    contacts
+        The same model with its hard contacts, for runs that follow impacts; None
+        without any. The functions above, and `set_valued`, have every gap open.
     """
 
     name: str
@@ -52,6 +73,7 @@ class NumericModel:
     needs_input_rates: bool
     set_valued: SetValuedForm | None = None
     unknown_names: tuple[str, ...] = ()
+    contacts: ContactForm | None = None
 
     @property
     def needs_time(self) -> bool:
@@ -71,8 +93,14 @@ def compile_model(equations: StateEquations) -> NumericModel:
     Raises
     ------
     EquationError
-        If an expression uses a function without a number form.
+        If an expression uses a function without a number form, or a hard contact
+        presses on no mass.
     """
+    contacts = None
+    held = held_contacts(equations)
+    if held is not None:
+        contacts = ContactForm(places=held.places, held=compile_model(held.equations))
+        equations = opened(equations)
     states = [s.symbol for s in equations.states]
     rates = [s.rate for s in equations.states]
     unknowns = list(equations.unknowns)
@@ -118,6 +146,7 @@ def compile_model(equations: StateEquations) -> NumericModel:
         needs_input_rates=bool(np.any(whole.degree > 0)),
         set_valued=set_valued_form(equations),
         unknown_names=tuple(z.name for z in unknowns),
+        contacts=contacts,
     )
 
 

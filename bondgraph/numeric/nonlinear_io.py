@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bondgraph.equations.derivation import derive
+from bondgraph.equations.hard_contact import refuse_hard_contact
 from bondgraph.errors import EquationError
 from bondgraph.numeric.jacobian import Array, Point, point, settled
 from bondgraph.numeric.model import NumericModel, compile_model, evaluate
@@ -33,11 +34,16 @@ def to_nonlinear_io(graph: FinishedGraph) -> "control.NonlinearIOSystem":
     ParameterError
         If a parameter has no value.
     EquationError
-        If the model needs the rate of an input, which python-control does not give.
+        If the model needs the rate of an input, which python-control does not give, or
+        has a hard contact.
     """
     import control  # noqa: PLC0415  (1 s; only its users wait for it)
 
     model = compile_model(derive(graph))
+    if model.contacts is not None:
+        refuse_hard_contact(
+            graph.name, model.contacts.places, "which no solver outside follows"
+        )
     if model.needs_input_rates:
         raise EquationError(
             f"{graph.name!r} needs the rate of an input, and python-control gives "

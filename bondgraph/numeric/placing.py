@@ -10,7 +10,7 @@ from bondgraph.equations.steady_state import SteadyState, point_values
 from bondgraph.errors import EquationError, ParameterError, did_you_mean
 from bondgraph.numeric.jacobian import Point
 from bondgraph.numeric.model import NumericModel
-from bondgraph.structure.signals import parameter_symbol
+from bondgraph.structure.signals import as_expression, parameter_symbol
 
 
 def placed(
@@ -71,7 +71,7 @@ def parameter_values(
 def _number(value: object, parameters: Mapping[str, float]) -> float:
     if isinstance(value, int | float):
         return float(value)
-    expression = sympy.sympify(value)
+    expression = as_expression(value)
     names = sorted(map(str, expression.free_symbols))
     missing = tuple(name for name in names if name not in parameters)
     if missing:

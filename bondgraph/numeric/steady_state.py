@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from bondgraph.equations.derivation import derive
+from bondgraph.equations.hard_contact import refuse_hard_contact
 from bondgraph.equations.reduction import reduce
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.equations.steady_state import (
@@ -74,7 +75,7 @@ def steady_state(
     Raises
     ------
     EquationError
-        If a name is unknown or the model depends on time.
+        If a name is unknown, or the model depends on time or has a hard contact.
     ParameterError
         If a nonlinear model has a parameter without a value.
     """
@@ -90,6 +91,10 @@ def steady_state(
     held = {name: canonical(value) for name, value in (hold or {}).items()}
     nearby = {name: canonical(value) for name, value in (guess or {}).items()}
     model = compile_model(equations)
+    if model.contacts is not None:
+        refuse_hard_contact(
+            equations.name, model.contacts.places, "which may hold it or not"
+        )
     if model.needs_time:
         raise EquationError(
             f"{equations.name!r} depends on time, so nothing in it stands still.",

@@ -18,6 +18,8 @@ class EventKind(StrEnum):
     TURNS = "turns round"
     CONTACT = "contact"
     RELEASE = "release"
+    IMPACT = "impact"
+    RESTS = "comes to rest"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,8 +29,9 @@ class Event:
     Parameters
     ----------
     time
-        In s. A friction's stop is located within its step; a start, a contact and a
-        release are those of the first sample that shows them.
+        In s. A friction's stop, and what a hard contact does, are located within their
+        step; a start of slip, and the contact and release of a law in pieces, are
+        those of the first sample that shows them.
     place
         The element or elements.
     """

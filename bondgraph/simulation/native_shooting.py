@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.equations.hard_contact import refuse_hard_contact
 from bondgraph.errors import EquationError
 from bondgraph.numeric.model import NumericModel
 from bondgraph.simulation.solvers import RungeKutta4, Sdirk2, Sdirk3
@@ -120,6 +121,10 @@ def refuse_implicit(model: NumericModel) -> None:
     """Refuse a model that an explicit method cannot step; says why."""
     from bondgraph.numeric.native.model import is_explicit  # noqa: PLC0415  (LLVM)
 
+    if model.contacts is not None:
+        refuse_hard_contact(
+            model.name, model.contacts.places, "whose force an explicit method lacks"
+        )
     if model.set_valued is not None:
         raise EquationError(
             f"{model.name!r} has dry friction that can stick; an explicit method "

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bondgraph.equations.derivation import derive
+from bondgraph.equations.hard_contact import refuse_hard_contact
 from bondgraph.errors import EquationError, did_you_mean
 from bondgraph.numeric.audited_model import ACCOUNTS, AuditedModel, audited_model
 from bondgraph.numeric.dynamics import Dynamics
@@ -39,7 +40,7 @@ class Run:
     audit
         The energy balance until `reached`.
     events
-        Stick, slip, contact and release, in order of time.
+        Stick, slip, contact, impact, rest and release, in order of time.
     solver_error
         For each output an estimate of the largest error that the steps make, from steps
         of half the size; empty where it was not asked for.
@@ -194,7 +195,8 @@ class _Case:
             plain = compile_model(derive(self.graph))
             own = self.start[: plain.n_states]
             trouble = self._shoot(plain, own, solver).trouble[0] or trouble
-        return self._run(shot.states, shot.outputs, trouble, self._slips(shot))
+        events = (*self._slips(shot), *(e for part in shot.impacts for e in part))
+        return self._run(shot.states, shot.outputs, trouble, events)
 
     def _shoot(self, model: NumericModel, start: Array, solver: Solver) -> Shooting:
         time, samples = self.inputs.time, self.inputs.samples
@@ -217,6 +219,12 @@ class _Case:
     def adaptive(self, solver: Adaptive) -> Run:
         """Run with a solver that chooses its steps."""
         model, inputs = self.audited.model, self.inputs
+        if model.contacts is not None:
+            refuse_hard_contact(
+                self.graph.name,
+                model.contacts.places,
+                "whose impacts lie between the steps of an adaptive solver",
+            )
         if model.set_valued is not None:
             refuse_friction(model.set_valued.places)
         if model.n_unknowns and not solver.takes_unknowns:

@@ -16,10 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 
+from bondgraph.equations.hard_contact import refuse_hard_contact
 from bondgraph.numeric.implicit.laws import LawGroup, grouped
 from bondgraph.numeric.implicit.places import Index, Places, places_of
 from bondgraph.numeric.implicit.rows import Rows
 from bondgraph.structure.graph import FinishedGraph
+from bondgraph.structure.hard_contact import hard_contact
+from bondgraph.structure.nodes import written_laws
 
 Array = NDArray[np.float64]
 
@@ -165,7 +168,16 @@ def implicit_system(graph: FinishedGraph, *, merged: bool = True) -> ImplicitSys
     ------
     ParameterError
         If a parameter has no value.
+    EquationError
+        If the graph has a hard contact.
     """
+    contacts = tuple(
+        node.name
+        for node in graph.nodes
+        if any(law.has(hard_contact) for law in written_laws(node))
+    )
+    if contacts:
+        refuse_hard_contact(graph.name, contacts, "which sparse systems do not know")
     places = places_of(graph)
     n_powers = places.n_wires if merged else 2 * places.n_bonds
     columns = places.wire if merged else np.arange(n_powers)

@@ -1,0 +1,87 @@
+"""What is simulated, windows laid end to end, and what that gives."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.simulation.events import Event
+from bondgraph.simulation.trouble import Trouble
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Shots:
+    """Windows of recordings laid end to end.
+
+    Parameters
+    ----------
+    time, inputs, outputs
+        Samples of all windows: (n,), (n, nu), (n, ny); a missing output is NaN.
+    edges
+        Window k holds the samples ``edges[k]:edges[k + 1]``.
+    """
+
+    time: Array
+    inputs: Array
+    outputs: Array
+    edges: tuple[int, ...]
+
+    @property
+    def n_windows(self) -> int:
+        """Number of windows."""
+        return len(self.edges) - 1
+
+    @cached_property
+    def slices(self) -> tuple[slice, ...]:
+        """The windows as slices."""
+        return tuple(slice(a, b) for a, b in pairwise(self.edges))
+
+    def subset(self, windows: NDArray[np.int64], most: int | None = None) -> "Shots":
+        """Return the windows numbered `windows`, each cut after `most` samples."""
+        parts = [self.slices[w] for w in windows]
+        stops = [s.stop if most is None else min(s.stop, s.start + most) for s in parts]
+        lengths = [b - s.start for s, b in zip(parts, stops, strict=True)]
+        ends = zip(parts, stops, strict=True)
+        index = np.concatenate([np.arange(s.start, b) for s, b in ends])
+        edges = np.cumsum([0, *lengths])
+        return Shots(
+            self.time[index],
+            self.inputs[index],
+            self.outputs[index],
+            tuple(int(e) for e in edges),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Shooting:
+    """What simulating all windows gave.
+
+    Parameters
+    ----------
+    outputs, states
+        (n, ny) and (n, nx).
+    sensitivities
+        (n, ny, nq + nx): to the chosen parameters, then to the initial state.
+    completed
+        Per window, whether it was simulated to its end with finite outputs.
+    trouble
+        Per window, why it was not; None where it was.
+    modes, since
+        (n, frictions): whether each set-valued friction slips (1, -1) or sticks (0),
+        and the time at which it took that mode; None without such frictions.
+    impacts
+        Per window, the events of hard contacts.
+    """
+
+    outputs: Array
+    states: Array
+    sensitivities: Array
+    completed: NDArray[np.bool_]
+    trouble: tuple[Trouble | None, ...] = ()
+    modes: NDArray[np.int64] | None = None
+    since: Array | None = None
+    impacts: tuple[tuple[Event, ...], ...] = ()
