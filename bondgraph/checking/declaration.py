@@ -30,8 +30,6 @@ The same selection says which crossover is meant. Zeros and poles are in rad/s a
 gain is that of ``gain · Π(s - zero) / Π(s - pole)``; ``delay`` is in seconds.
 """
 
-import math
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -48,6 +46,7 @@ from bondgraph.checking.records import (
     Selection,
     Tolerance,
 )
+from bondgraph.checking.written import NotTomlError, finite, shown, toml
 from bondgraph.errors import CheckError, LoopShapingError, did_you_mean
 from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain
 
@@ -77,19 +76,20 @@ def read_checks(path: Path) -> tuple[Check, ...]:
 
 def _toml(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return toml(path)
     except FileNotFoundError:
         raise CheckError(
             f"There is no check file {str(path)!r}.",
             (str(path),),
             "Write one with [[check]] tables, or name another file.",
         ) from None
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
+    except OSError as error:
         raise CheckError(
-            f"The check file {str(path)!r} cannot be read: {reason}.", (str(path),)
+            f"The check file {str(path)!r} cannot be read: {error.strerror}.",
+            (str(path),),
+            "Name a file that may be read.",
         ) from error
-    except tomllib.TOMLDecodeError as error:
+    except NotTomlError as error:
         raise CheckError(
             f"{path.name} is not TOML: {error}.", (str(path),), "Correct the syntax."
         ) from error
@@ -126,6 +126,9 @@ def _label(path: Path, table: Any, number: int) -> str:
     return f"{path.name}, check {name if isinstance(name, str) else number!r}"
 
 
+MOST = 1000
+"""A number of digits or of a pole beyond it is a slip of the pen."""
+
 _REQUIRED = ("name", "model", "input", "output", "quantity", "value")
 _TOLERANCES = ("tolerance", "relative_tolerance", "digits")
 _SELECTIONS = ("index", "nearest")
@@ -155,7 +158,7 @@ class _Table:
         for key in self._table:
             if key not in _KEYS:
                 raise self._error(
-                    f"has the unknown key {key!r}.", key, did_you_mean(key, _KEYS)
+                    f"has the unknown key {shown(key)}.", key, did_you_mean(key, _KEYS)
                 )
         for key in _REQUIRED:
             if key not in self._table:
@@ -179,14 +182,18 @@ class _Table:
     def _text(self, key: str) -> str:
         text = self._table[key]
         if not isinstance(text, str) or not text.strip():
-            raise self._error(f"has {key} = {text!r}.", key, "Write a text in quotes.")
+            raise self._error(
+                f"has {key} = {shown(text)}.", key, "Write a text in quotes."
+            )
         return text
 
     def _number(self, key: str, number: object) -> float:
-        plain = isinstance(number, int | float) and not isinstance(number, bool)
-        if not plain or not math.isfinite(number):  # type: ignore[arg-type]
-            raise self._error(f"has {key} = {number!r}.", key, "Write a finite number.")
-        return float(number)  # type: ignore[arg-type]
+        found = finite(number)
+        if found is None:
+            raise self._error(
+                f"has {key} = {shown(number)}.", key, "Write a finite number."
+            )
+        return found
 
     def _point(self, key: str) -> complex:
         """Return a real number or a ``[real, imaginary]`` pair."""
@@ -247,9 +254,14 @@ class _Table:
 
     def _whole(self, key: str) -> int:
         number = self._table[key]
-        if not isinstance(number, int) or isinstance(number, bool) or number < 0:
-            raise self._error(f"has {key} = {number!r}.", key, "Write 0, 1, 2, ….")
+        if not isinstance(number, int) or isinstance(number, bool):
+            raise self._no_count(key, number)
+        if not 0 <= number <= MOST:
+            raise self._no_count(key, number)
         return number
+
+    def _no_count(self, key: str, number: object) -> CheckError:
+        return self._error(f"has {key} = {shown(number)}.", key, "Write 0, 1, 2, ….")
 
     def _selection(self, quantity: CheckedQuantity, value: complex) -> Selection:
         key = self._one_of(_SELECTIONS)
@@ -296,7 +308,7 @@ class _Table:
     def _roots(self, key: str, given: dict[str, Any]) -> tuple[complex, ...]:
         roots = given.get(key, [])
         if not isinstance(roots, list):
-            raise self._error(f"has {key} = {roots!r}.", key, "Write them in [ ].")
+            raise self._error(f"has {key} = {shown(roots)}.", key, "Write them in [ ].")
         return tuple(self._complex(key, root) for root in roots)
 
     def _parameters(self) -> Mapping[str, float] | str:

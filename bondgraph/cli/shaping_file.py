@@ -33,12 +33,12 @@
 A key that is not understood is an error, never ignored.
 """
 
-import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from bondgraph.checking.written import NotTomlError, finite, shown, toml
 from bondgraph.errors import LoopShapingError, did_you_mean
 from bondgraph.loopshaping.controllers import (
     PI,
@@ -69,6 +69,9 @@ from bondgraph.loopshaping.sizing import Free
 from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain
 
 CANCEL = "cancel"
+MOST_POLES = 20
+"""Of one filter; more are a slip of the pen."""
+
 _KINDS: Mapping[str, Callable[..., AbstractController]] = {
     "gain": Gain,
     "lead": Lead,
@@ -120,14 +123,14 @@ def read_request(path: Path) -> ShapingRequest:
         If it is missing, no TOML, or not understood.
     """
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table = toml(path)
     except OSError as error:
         raise LoopShapingError(
             f"{str(path)!r} cannot be read ({error.strerror}).",
             (str(path),),
             "Name the file with --spec FILE.",
         ) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except NotTomlError as error:
         raise LoopShapingError(
             f"{str(path)!r} is no TOML: {error}.", (str(path),), "Correct it."
         ) from error
@@ -142,13 +145,13 @@ def read_request(path: Path) -> ShapingRequest:
     return ShapingRequest(
         input=_text(table, "input"),
         output=_text(table, "output"),
-        at={name: _number(v, name) for name, v in table.get("at", {}).items()},
+        at={name: _number(v, name) for name, v in _table(table, "at").items()},
         delay=_number(table.get("delay", 0.0), "delay"),
         series=_chain(_tables(table, "series")),
         feedback=_chain(_tables(table, "feedback")),
         factors=factors,
-        free=tuple(_free(p, ends) for p, ends in table.get("free", {}).items()),
-        specification=_specification(table.get("require", {})),
+        free=tuple(_free(p, ends) for p, ends in _table(table, "free").items()),
+        specification=_specification(_table(table, "require")),
     )
 
 
@@ -171,10 +174,26 @@ def _tables(table: Mapping[str, Any], name: str) -> tuple[Mapping[str, Any], ...
     return tuple(found)
 
 
+def _table(table: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    found = table.get(name, {})
+    if not isinstance(found, dict):
+        raise _wrong(name, "a table", f"[{name}]")
+    return found
+
+
 def _number(value: object, name: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise _wrong(name, "a number", f"{name} = 1.0")
-    return float(value)
+    number = finite(value)
+    if number is None:
+        kind = "a finite number" if isinstance(value, int | float) else "a number"
+        raise _wrong(name, kind, f"{name} = 1.0")
+    return number
+
+
+def _count(value: object, name: str) -> int:
+    number = _number(value, name)
+    if number not in range(1, MOST_POLES + 1):
+        raise _wrong(name, f"a number of 1 to {MOST_POLES}", f"{name} = 2")
+    return int(number)
 
 
 def _text(table: Mapping[str, Any], name: str) -> str | None:
@@ -208,7 +227,7 @@ def _block(table: Mapping[str, Any]) -> ZeroPoleGain:
         damping = _number(table.get("damping", 0.5**0.5), "damping")
         # a notch without zeros: ω² / (s² + 2 ζ ω s + ω²)
         poles = Notch(corner, width=damping).transfer.poles
-        for _ in range(int(_number(table.get("times", 1), "times"))):
+        for _ in range(_count(table.get("times", 1), "times")):
             block = block * ZeroPoleGain(poles=poles, gain=corner**2)
     return block
 
@@ -229,9 +248,9 @@ def _controller(table: Mapping[str, Any], plant: ZeroPoleGain) -> AbstractContro
     kind = table.get("kind")
     if not isinstance(kind, str) or kind not in _KINDS:
         raise LoopShapingError(
-            f"{kind!r} is no kind of controller.",
-            (str(kind),),
-            did_you_mean(str(kind), _KINDS),
+            f"{shown(kind)} is no kind of controller.",
+            (shown(kind),),
+            did_you_mean(shown(kind), _KINDS),
         )
     make = _KINDS[kind]
     names = tuple(field.name for field in fields(make))  # type: ignore[arg-type]
@@ -248,7 +267,14 @@ def _controller(table: Mapping[str, Any], plant: ZeroPoleGain) -> AbstractContro
             f"A {kind} controller needs its omega.", ("omega",), "Give it in rad/s."
         )
     if "order" in numbers:
-        numbers["order"] = int(numbers["order"])
+        numbers["order"] = _count(numbers["order"], "order")
+    for field in fields(make):  # type: ignore[arg-type]
+        if field.name not in numbers and field.default is MISSING:
+            raise LoopShapingError(
+                f"A {kind} controller needs its {field.name}.",
+                (field.name,),
+                f"Write {field.name} = 1.0.",
+            )
     return make(**numbers)
 
 
