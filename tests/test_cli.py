@@ -277,7 +277,7 @@ def test_diagnose_keeps_the_held_out_recordings_apart(
     assert [r.name for r in asked["train"]] == ["run"]
     assert [r.name for r in asked["held_out"]] == ["other"]
     assert "first 60 %" not in result.output
-    assert f"Report page: {page} (look first at" in result.stdout
+    assert f"Report page: {page}\nLook first at the held-out" in result.stdout
     assert page.read_text().startswith("<!DOCTYPE html>")
     assert json.loads(answer.read_text())["verdict"] == "physics_missing"
 

@@ -6,14 +6,24 @@ import click
 
 from bondgraph.checking.junit import write_junit
 from bondgraph.checking.run import CheckReport, run_checks, shown
-from bondgraph.cli.session import Session, json_option
+from bondgraph.cli.command import Command, json_option
+from bondgraph.cli.session import Session
 from bondgraph.cli.terminal import table_style
 from bondgraph.reporting.tables import CheckRow, checks_table
 
 
-@click.command("check")
-@click.argument("file", default="pyproject.toml")
-@click.option("--junit", metavar="FILE", help="Write the results as JUnit XML.")
+@click.command(
+    "check",
+    cls=Command,
+    examples=(
+        ("check checks.toml", "Every declared value against the derived one"),
+        ("check checks.toml --junit results.xml", "The same for a CI server"),
+    ),
+)
+@click.argument("file", default="pyproject.toml", type=click.Path())
+@click.option(
+    "--junit", metavar="FILE", type=click.Path(), help="Write the results as JUnit XML."
+)
 @json_option
 @click.pass_obj
 def command(
@@ -26,7 +36,7 @@ def command(
     """
     session.answers_in(json_file)
     report = run_checks(file)
-    session.say(checks_table(_rows(report), **table_style()))
+    session.say(checks_table(_rows(report), **table_style(session)))
     if junit is not None:
         write_junit(report, Path(junit))
         session.wrote(junit)

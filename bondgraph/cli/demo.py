@@ -12,9 +12,10 @@ from typing import Any
 
 import click
 
-from bondgraph.cli.diagnosing import answer
+from bondgraph.cli.command import Command, json_option
+from bondgraph.cli.diagnosing import answer, look_at
 from bondgraph.cli.inputs import read_model
-from bondgraph.cli.session import Session, json_option
+from bondgraph.cli.session import Session
 from bondgraph.diagnosis.records import Diagnosis, Verdict
 from bondgraph.errors import BondGraphError, ModelLoadError
 from bondgraph.fitting.estimate import FitSettings
@@ -27,10 +28,18 @@ from bondgraph.structure.graph import FinishedGraph
 MODEL = "flegx_models.demo:drive"
 MACHINE = "flegx_models.concealed_drive"
 DURATION = 10.0  # s, of each recording
+PAGE, RESULT = "report.html", "result.json"
 HIDDEN, WHERE = "load_dependent_friction", "worm"
 
 
-@click.command("demo")
+@click.command(
+    "demo",
+    cls=Command,
+    examples=(
+        ("demo", "Friction hidden in a worm drive, found, shown on a page"),
+        ("demo --without-effect", "Nothing hidden, nothing found"),
+    ),
+)
 @click.option("--seed", default=1, show_default=True, help="Of motion, load and noise.")
 @click.option("--without-effect", is_flag=True, help="Hide nothing; nothing is found.")
 @click.option(
@@ -74,6 +83,7 @@ def command(
     found = _diagnosed(session, graph, (train, held_out), folder, json_file)
     as_hidden = _as_hidden(found, without_effect=without_effect)
     session.say(_conclusion(without_effect=without_effect, as_hidden=as_hidden))
+    session.hint(_where_next(folder, found))
     return 0 if as_hidden else 1
 
 
@@ -143,12 +153,11 @@ def _diagnosed(
         [train],
         [held_out],
         settings=FitSettings(),
-        html=str(folder / "report.html"),
+        html=str(folder / PAGE),
         json_file=json_file,
     )
-    write_json(found, folder / "result.json")
-    session.wrote(folder / "result.json")
-    session.say(f"JSON: {folder / 'result.json'}")
+    write_json(found, folder / RESULT)
+    session.wrote(folder / RESULT)
     return found
 
 
@@ -163,6 +172,14 @@ def _as_hidden(found: Diagnosis, *, without_effect: bool) -> bool:
         for place in (finding.place, *finding.indistinguishable_places)
     ]
     return WHERE in places
+
+
+def _where_next(folder: Path, found: Diagnosis) -> str:
+    """Return where the page is, what to look at first, and what to do then."""
+    return (
+        f"\nThe page: {(folder / PAGE).resolve().as_uri()}\n{look_at(found)}\n"
+        f"The same as JSON: {folder / RESULT}. Your own machine: bondgraph new NAME."
+    )
 
 
 def _conclusion(*, without_effect: bool, as_hidden: bool) -> str:

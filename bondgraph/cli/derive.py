@@ -7,8 +7,9 @@ import sympy
 
 from bondgraph.causality.assignment import assign_causality
 from bondgraph.causality.records import CausalAssignment
+from bondgraph.cli.command import Command, json_option
 from bondgraph.cli.inputs import model_argument, read_model
-from bondgraph.cli.session import Session, json_option
+from bondgraph.cli.session import Session
 from bondgraph.equations.derivation import derive
 from bondgraph.equations.descriptor import DescriptorSystem, descriptor
 from bondgraph.equations.energy import EnergyBalance, energy
@@ -32,7 +33,15 @@ from bondgraph.reporting.derived_json import (
 from bondgraph.structure.graph import FinishedGraph
 
 
-@click.command("derive")
+@click.command(
+    "derive",
+    cls=Command,
+    examples=(
+        ("derive leg.py:flight", "Causality, state equations, transfer functions"),
+        ("derive leg.py:flight --energy --hamiltonian", "Where the energy goes"),
+        ("derive crane.py --at q_cable=0.2 --latex", "Linear elsewhere, as LaTeX"),
+    ),
+)
 @model_argument
 @click.option(
     "--at",
@@ -68,13 +77,7 @@ def command(
     show_sensitivities: bool,
     json_file: str | None,
 ) -> None:
-    r"""Derive causality, state equations and transfer functions of MODEL.
-
-    \b
-    bondgraph derive flegx_models.models:lowerleg_flight
-    bondgraph derive machine.py:crane --energy --hamiltonian
-    bondgraph derive machine.py:crane --latex --at q_cable=0.2
-    """
+    """Derive causality, state equations and transfer functions of MODEL."""
     session.answers_in(json_file)
     graph = read_model(model, values)
     causality = assign_causality(graph)

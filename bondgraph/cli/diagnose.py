@@ -5,16 +5,17 @@ from pathlib import Path
 
 import click
 
-from bondgraph.cli.diagnosing import answer
+from bondgraph.cli.command import Command, json_option
+from bondgraph.cli.diagnosing import answer, look_at
 from bondgraph.cli.fit_options import fit_options
 from bondgraph.cli.inputs import (
-    Reading,
     model_argument,
     read_model,
     read_recordings,
-    recording_options,
+    recording_argument,
 )
-from bondgraph.cli.session import Session, json_option
+from bondgraph.cli.reading_options import Reading, recording_options
+from bondgraph.cli.session import Session
 from bondgraph.cli.work_options import work_options
 from bondgraph.diagnosis.work.workers import Where
 from bondgraph.errors import RecordingError
@@ -25,14 +26,23 @@ from bondgraph.recordings.windows import split as split_recording
 SPLIT = 0.6
 
 
-@click.command("diagnose")
+@click.command(
+    "diagnose",
+    cls=Command,
+    examples=(
+        ("diagnose axis.py run.csv --html report.html", "What is missing, with a page"),
+        ("diagnose axis.py a.csv b.csv --held-out c.csv", "Shown on c, chosen without"),
+        ("diagnose axis.py run.csv -q --json result.json", "For a program to read"),
+    ),
+)
 @model_argument
-@click.argument("recordings", metavar="REC...", nargs=-1, required=True)
+@recording_argument("recordings", nargs=-1)
 @click.option(
     "--held-out",
     "held_out",
     multiple=True,
     metavar="REC",
+    type=click.Path(),
     help="A recording kept back to show the answer on; repeat for more.",
 )
 @click.option(
@@ -40,7 +50,9 @@ SPLIT = 0.6
     type=click.FloatRange(0, 1, min_open=True, max_open=True),
     help=f"Without --held-out: the share to train on, {SPLIT:g} by default.",
 )
-@click.option("--html", metavar="FILE", help="Write the report page.")
+@click.option(
+    "--html", metavar="FILE", type=click.Path(), help="Write the report page."
+)
 @click.option(
     "--resume",
     metavar="DIR",
@@ -92,7 +104,7 @@ def command(
         kept_back = [rest for _, rest in parts]
     else:
         _check_apart(training, kept_back)
-    answer(
+    found = answer(
         session,
         graph,
         training,
@@ -103,6 +115,11 @@ def command(
         where=where,
         resume=resume,
         either_hold=either_hold,
+    )
+    session.hint(
+        "Add --html report.html for the page with pictures."
+        if html is None
+        else f"Report page: {html}\n{look_at(found)}"
     )
 
 

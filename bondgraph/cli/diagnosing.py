@@ -1,9 +1,11 @@
 """Diagnosing and telling: the path that ``diagnose`` and ``demo`` share."""
 
+import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from bondgraph.cli.session import Session
+from bondgraph.cli.resuming import kept_for_later
+from bondgraph.cli.session import Loudness, Session
 from bondgraph.cli.terminal import table_style
 from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.records import Diagnosis, Evidence, Verdict
@@ -27,11 +29,19 @@ from bondgraph.structure.graph import FinishedGraph
 SHOWN_CANDIDATES = 8
 SHOWN_NOTES = 6
 _LOOK_AT = {
-    Verdict.PHYSICS_MISSING: "look first at the held-out recordings before and after, "
+    Verdict.PHYSICS_MISSING: "the held-out recordings before and after, "
     "then at the law and the places it could be confused with",
-    Verdict.UNEXPLAINED: "look first at the recovered curve and at the place",
-    Verdict.CANNOT_TELL: "look first at the candidates and at the next experiment",
-    Verdict.ADEQUATE: "look first at the errors against the noise on held-out data",
+    Verdict.UNEXPLAINED: "the recovered curve and at the place",
+    Verdict.CANNOT_TELL: "the candidates and at the next experiment",
+    Verdict.ADEQUATE: "the errors against the noise on held-out data",
+}
+
+
+_COLOURS = {
+    Verdict.PHYSICS_MISSING: "yellow",
+    Verdict.UNEXPLAINED: "yellow",
+    Verdict.CANNOT_TELL: "cyan",
+    Verdict.ADEQUATE: "green",
 }
 
 
@@ -49,7 +59,11 @@ def answer(
     either_hold: bool = False,
 ) -> Diagnosis:
     """Diagnose, print the answer, and write the report page and the JSON."""
-    with session.progress() as progress:
+    every = (*training, *held_out)
+    with (
+        kept_for_later(session, graph, every, resume) as journal,
+        session.progress() as progress,
+    ):
         diagnosis = diagnose(
             graph,
             training,
@@ -57,42 +71,57 @@ def answer(
             options=Options(
                 settings=settings,
                 where=where or Here(),
-                resume=resume,
+                resume=journal,
                 either_hold=either_hold,
             ),
             progress=progress,
         )
-    session.say("\n".join(_told(diagnosis)))
+    session.say(_verdict(session, diagnosis))
+    if session.loudness is not Loudness.QUIET:
+        session.say("\n".join(_told(session, diagnosis)))
     if html is not None:
         session.write(html, report_html(diagnosis))
-        session.say(f"Report page: {html} ({_LOOK_AT[diagnosis.verdict]}).")
-    else:
-        session.say("Add --html report.html for the page with pictures.")
     session.deliver(json_file, diagnosis_to_dict(diagnosis))
     return diagnosis
 
 
-def _told(diagnosis: Diagnosis) -> Iterator[str]:
-    """Yield the answer in the order in which a reader asks: what, how sure, what now.
+def look_at(diagnosis: Diagnosis) -> str:
+    """Return in a sentence what to look at first on the page of a diagnosis."""
+    return f"Look first at {_LOOK_AT[diagnosis.verdict]}."
+
+
+def _verdict(session: Session, diagnosis: Diagnosis) -> str:
+    """Return the answer in two sentences, the first in its colour."""
+    verdict = f"{VERDICTS[diagnosis.verdict]}."
+    styled = session.styled(
+        verdict, sys.stdout, fg=_COLOURS[diagnosis.verdict], bold=True
+    )
+    return f"{styled}\n{diagnosis.statement}"
+
+
+def _told(session: Session, diagnosis: Diagnosis) -> Iterator[str]:
+    """Yield what a reader asks next: how sure, what else, what now.
 
     A block that has nothing to say is left out.
     """
-    yield f"{VERDICTS[diagnosis.verdict]}."
-    yield f"{diagnosis.statement}\n"
+    yield ""
     yield from _errors(diagnosis)
     if diagnosis.candidates:
         yield "Considered, judged on left-out parts of the training recordings"
         different = _best_of_each(diagnosis.candidates)
-        yield candidates_table(different[:SHOWN_CANDIDATES], **table_style())
-        more = len(different) - SHOWN_CANDIDATES
+        shown = len(different) if session.verbose else SHOWN_CANDIDATES
+        yield candidates_table(different[:shown], **table_style(session))
+        more = len(different) - shown
         if more > 0:
-            yield f"and {more} more, in the page and the JSON\n"
+            yield f"and {more} more: -v, the page and the JSON have them\n"
     estimates = delivered(diagnosis).estimates
     if estimates:
         yield "Parameters of the model handed on, fitted to all recordings"
-        yield estimates_table(estimates, **table_style())
+        yield estimates_table(estimates, **table_style(session))
     if diagnosis.notes:
-        yield "\n".join(("Notes", *(f"  {note}" for note in _few(diagnosis.notes)), ""))
+        shown = len(diagnosis.notes) if session.verbose else SHOWN_NOTES
+        notes = _few(diagnosis.notes, shown)
+        yield "\n".join(("Notes", *(f"  {note}" for note in notes), ""))
     if diagnosis.next_experiment:
         yield f"Next experiment: {diagnosis.next_experiment}\n"
 
@@ -108,10 +137,10 @@ def _best_of_each(candidates: Sequence[Evidence]) -> list[Evidence]:
     return list(best.values())
 
 
-def _few(notes: Sequence[str]) -> Iterator[str]:
-    yield from notes[:SHOWN_NOTES]
-    if len(notes) > SHOWN_NOTES:
-        yield f"and {len(notes) - SHOWN_NOTES} more, in the page and the JSON"
+def _few(notes: Sequence[str], most: int) -> Iterator[str]:
+    yield from notes[:most]
+    if len(notes) > most:
+        yield f"and {len(notes) - most} more: -v, the page and the JSON have them"
 
 
 def _errors(diagnosis: Diagnosis) -> Iterator[str]:

@@ -2,8 +2,9 @@
 
 import click
 
-from bondgraph.cli.inputs import read_model
-from bondgraph.cli.session import Session, json_option
+from bondgraph.cli.command import Command, json_option
+from bondgraph.cli.inputs import ModelName, read_model
+from bondgraph.cli.session import Session
 from bondgraph.reporting.differences import describe_difference
 
 DIFFERENT = 1
@@ -11,11 +12,14 @@ DIFFERENT = 1
 
 @click.command(
     "diff",
-    epilog="Example: bondgraph diff before.py:leg after.py:leg says one R added at "
-    "worm. Exit status: 0 no difference, 1 they differ.",
+    cls=Command,
+    examples=(
+        ("diff before.py:leg after.py:leg", "One sentence per change"),
+        ("diff leg.py fitted.py", "What a fit has moved"),
+    ),
 )
-@click.argument("before")
-@click.argument("after")
+@click.argument("before", type=ModelName())
+@click.argument("after", type=ModelName())
 @json_option
 @click.pass_obj
 def command(
@@ -23,7 +27,8 @@ def command(
 ) -> int:
     """Say what changed from the model BEFORE to the model AFTER.
 
-    Compared by name; the order in which things were written is not a change.
+    Compared by name; the order in which things were written is not a change. Exit
+    status 1 if they differ.
     """
     session.answers_in(json_file)
     one, other = read_model(before), read_model(after)

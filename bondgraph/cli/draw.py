@@ -9,8 +9,9 @@ from typing import Any
 import click
 
 from bondgraph.causality.assignment import assign_causality
+from bondgraph.cli.command import Command, OneOf, json_option
 from bondgraph.cli.inputs import model_argument, read_model
-from bondgraph.cli.session import STDOUT, Session, json_option
+from bondgraph.cli.session import STDOUT, Session
 from bondgraph.errors import BondGraphError
 from bondgraph.reporting.drawing import (
     BondLabels,
@@ -28,18 +29,27 @@ _NUMBER = {
 }
 
 
-@click.command("draw")
+@click.command(
+    "draw",
+    cls=Command,
+    examples=(
+        ("draw leg.py:flight -o leg.svg", "The graph with its causal strokes"),
+        ("draw leg.py:flight -o leg.png --number bonds", "A PNG with numbered bonds"),
+        ("draw leg.py -o leg.svg --blame result.json", "Where physics is missing"),
+    ),
+)
 @model_argument
 @click.option(
     "-o",
     "--output",
     default=STDOUT,
     metavar="FILE",
+    type=click.Path(allow_dash=True),
     help="Where to write the picture, SVG or by its name PNG; stdout otherwise.",
 )
 @click.option(
     "--number",
-    type=click.Choice(list(_NUMBER)),
+    type=OneOf(list(_NUMBER)),
     default="none",
     show_default=True,
     help="What to write at bonds: their number, their name, or effort and flow.",
@@ -51,17 +61,19 @@ _NUMBER = {
     "--colour-by",
     "values_file",
     metavar="FILE",
+    type=click.Path(allow_dash=True),
     help="Colour places by a JSON file of values by name.",
 )
 @click.option(
     "--blame",
     metavar="FILE",
+    type=click.Path(allow_dash=True),
     help="Colour the junctions by the blame in the JSON of a diagnosis.",
 )
 @click.option("--no-strokes", is_flag=True, help="Leave the causal strokes out.")
 @click.option(
     "--theme",
-    type=click.Choice([theme.value for theme in Theme]),
+    type=OneOf([theme.value for theme in Theme]),
     default=Theme.AUTO.value,
     show_default=True,
     help="Colours for light paper, dark screens, or whichever is read.",
@@ -137,7 +149,7 @@ def _read(path: Path) -> Any:
     """Return what a JSON file holds, None where it is no JSON."""
     try:
         return json.loads(path.read_text(encoding="utf-8"))
-    except ValueError:
+    except (ValueError, RecursionError):  # the latter of brackets nested too deeply
         return None
 
 

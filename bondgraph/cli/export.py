@@ -5,8 +5,9 @@ from pathlib import Path
 
 import click
 
+from bondgraph.cli.command import Command, OneOf, json_option
 from bondgraph.cli.inputs import model_argument, read_model
-from bondgraph.cli.session import STDOUT, Session, json_option
+from bondgraph.cli.session import STDOUT, Session
 from bondgraph.reporting.export.exporting import (
     C99,
     ExportedFile,
@@ -36,14 +37,18 @@ _FORMERLY = {"python-control": "control"}
 
 @click.command(
     "export",
-    epilog="Example: bondgraph export leg.py:flight --to c -o leg.c writes leg.c and "
-    "leg.h.",
+    cls=Command,
+    examples=(
+        ("export leg.py:flight --to c -o leg.c", "C99: leg.c and leg.h"),
+        ("export leg.py:flight --to modelica -o Leg.mo", "For OpenModelica, Dymola"),
+        ("export leg.py:flight --to latex", "The equations, on the terminal"),
+    ),
 )
 @model_argument
 @click.option(
     "--to",
     "form",
-    type=click.Choice([*_TARGETS, *_FORMERLY]),
+    type=OneOf([*_TARGETS, *_FORMERLY]),
     required=True,
     help="c, matlab (Octave too), modelica: a program that simulates the model there; "
     "control, numpy: Python text for python-control or SciPy; latex: the equations; "
@@ -54,6 +59,7 @@ _FORMERLY = {"python-control": "control"}
     "--output",
     default=STDOUT,
     metavar="FILE",
+    type=click.Path(allow_dash=True),
     help="Where to write it, which also names it there; stdout otherwise.",
 )
 @json_option

@@ -4,15 +4,16 @@ from collections.abc import Iterator, Sequence
 
 import click
 
+from bondgraph.cli.command import Command, json_option
 from bondgraph.cli.fit_options import estimation_options, fit_options
 from bondgraph.cli.inputs import (
-    Reading,
     model_argument,
     read_model,
     read_recordings,
-    recording_options,
+    recording_argument,
 )
-from bondgraph.cli.session import Session, json_option
+from bondgraph.cli.reading_options import Reading, recording_options
+from bondgraph.cli.session import Session
 from bondgraph.cli.terminal import table_style
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import FitSettings, fit
@@ -28,10 +29,24 @@ from bondgraph.reporting.wording import number_words, percent, unit_words
 from bondgraph.structure.graph import FinishedGraph
 
 
-@click.command("fit")
+@click.command(
+    "fit",
+    cls=Command,
+    examples=(
+        ("fit axis.py run1.csv run2.csv", "Parameters with their uncertainty"),
+        ("fit axis.py run1.csv -o fitted.py", "The fitted model as Python text"),
+        ("fit axis.py run1.csv --loss huber --noise coloured", "Outliers, slow noise"),
+    ),
+)
 @model_argument
-@click.argument("recordings", metavar="REC...", nargs=-1, required=True)
-@click.option("-o", "--output", metavar="FILE", help="Write the fitted model (Python).")
+@recording_argument("recordings", nargs=-1)
+@click.option(
+    "-o",
+    "--output",
+    metavar="FILE",
+    type=click.Path(allow_dash=True),
+    help="Write the fitted model (Python).",
+)
 @click.option(
     "--profile",
     "profiled",
@@ -75,7 +90,7 @@ def command(
         )
     session.say(result.status.value)
     session.say()
-    session.say(estimates_table(result.estimates, **table_style()))
+    session.say(estimates_table(result.estimates, **table_style(session)))
     session.say()
     session.say("\n".join(_known(result, graph, bound)))
     with session.progress() as progress:

@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 import click
 
+from bondgraph.cli.command import OneOf, WholeNumber
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.fitting.horizon import Automatic, Horizon, Seconds, WholeRecordings
 from bondgraph.fitting.loss import Huber, Loss, SquaredError, StudentT
@@ -69,7 +70,7 @@ def fit_options(*, window: str, either: bool = False) -> Callable[[F], F]:
 
         with_hold = click.option(
             "--hold",
-            type=click.Choice(holds),
+            type=OneOf(holds),
             default="auto" if either else "first",
             show_default=True,
             help="Inputs between samples: held (zero), straight lines (first)"
@@ -122,21 +123,21 @@ def estimation_options(command: F) -> F:
         ),
         click.option(
             "--starts",
-            type=click.IntRange(min=1),
+            type=WholeNumber(min=1),
             default=1,
             show_default=True,
             help="Starts: the model's values, the others within a factor of three.",
         ),
         click.option(
             "--noise",
-            type=click.Choice(list(_NOISES)),
+            type=OneOf(list(_NOISES)),
             default="white",
             show_default=True,
             help="Weigh residuals as white or as first-order coloured noise.",
         ),
         click.option(
             "--loss",
-            type=click.Choice(list(_LOSSES)),
+            type=OneOf(list(_LOSSES)),
             default="squared",
             show_default=True,
             help="What a residual costs; huber and student bear outliers.",

@@ -4,15 +4,16 @@ Options of every command that reads recordings are declared here once. The libra
 refusals name its own arguments; here they are spelled as the options of this program.
 """
 
+import ast
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
-from functools import wraps
 from pathlib import Path
 from typing import Any, TypeVar
 
 import click
+from click.shell_completion import CompletionItem
 
+from bondgraph.cli.reading_options import Reading
 from bondgraph.errors import BondGraphError, ParameterError, RecordingError
 from bondgraph.loading import load_model
 from bondgraph.recordings.binding import BoundRecording
@@ -23,86 +24,31 @@ from bondgraph.structure.graph import FinishedGraph
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Reading:
-    """How recordings are read: the recording options as given.
+class ModelName(click.Path):
+    """``file.py:factory`` or ``package.module:factory``, completed in a shell."""
 
-    ``map`` and ``unit`` hold words such as ``theta=joint_angle`` and ``theta=deg``.
-    """
+    name = "model"
 
-    map: tuple[str, ...]
-    unit: tuple[str, ...]
-    time: str
-    step: float | None
-    steady: bool
-    gaps: str
-    order: str
-    repeats: str
-    delimiter: str | None
-    decimal: str
-    encoding: str
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Return the functions of the file before a colon; before that, files.
 
-
-_OPTIONS = (
-    click.option(
-        "--map",
-        multiple=True,
-        metavar="NAME=CHANNEL",
-        help="Channel of the file for an input or measurement of the model; with a "
-        "unit where the file has none (x=qm[m]).",
-    ),
-    click.option(
-        "--unit",
-        multiple=True,
-        metavar="NAME=UNIT",
-        help="Unit of a channel, before the one that the file gives.",
-    ),
-    click.option(
-        "--time", default="time", show_default=True, help="Name of the time column."
-    ),
-    click.option("--step", type=float, help="Seconds between samples without a time."),
-    click.option(
-        "--steady", is_flag=True, help="Rows are operating points, not samples in time."
-    ),
-    click.option(
-        "--gaps",
-        type=click.Choice(["refuse", "drop", "keep"]),
-        default="refuse",
-        show_default=True,
-        help="Drop rows with empty cells, or keep the rest of such a row.",
-    ),
-    click.option(
-        "--order",
-        type=click.Choice(["refuse", "sort"]),
-        default="refuse",
-        show_default=True,
-        help="What to do with times that run backward.",
-    ),
-    click.option(
-        "--repeats",
-        type=click.Choice(["refuse", "first", "mean"]),
-        default="refuse",
-        show_default=True,
-        help="What to do with samples of equal time.",
-    ),
-    click.option("--delimiter", help="Between the cells of a CSV file."),
-    click.option("--decimal", default=".", help="Decimal sign of a CSV file."),
-    click.option("--encoding", default="utf-8", help="Encoding of a CSV file."),
-)
-
-
-def recording_options(command: F) -> F:
-    """Add the options for reading recordings; the command gets them as ``reading``."""
-    names = [field.name for field in fields(Reading)]
-
-    @wraps(command)
-    def with_reading(*args: Any, **options: Any) -> Any:
-        reading = Reading(**{name: options.pop(name) for name in names})
-        return command(*args, reading=reading, **options)
-
-    for option in reversed(_OPTIONS):
-        with_reading = option(with_reading)
-    return with_reading  # type: ignore[return-value]
+        The file is read, never run.
+        """
+        where, colon, begun = incomplete.partition(":")
+        if not colon:
+            return [CompletionItem(incomplete, type="file")]
+        try:
+            tree = ast.parse(Path(where).read_text(encoding="utf-8"))
+        except (OSError, ValueError, SyntaxError):
+            return []
+        names = [n.name for n in tree.body if isinstance(n, ast.FunctionDef)]
+        return [
+            CompletionItem(f"{where}:{name}")
+            for name in names
+            if name.startswith(begun) and not name.startswith("_")
+        ]
 
 
 def model_argument(command: F) -> F:
@@ -114,7 +60,18 @@ def model_argument(command: F) -> F:
         metavar="NAME=VALUE",
         help="Another value of a parameter, in SI units.",
     )
-    return click.argument("model")(values(command))
+    return click.argument("model", type=ModelName())(values(command))
+
+
+def recording_argument(name: str, *, nargs: int = 1) -> Callable[[F], F]:
+    """Add the argument REC, a file; any number of them where `nargs` is -1."""
+    return click.argument(
+        name,
+        metavar="REC..." if nargs < 0 else "REC",
+        nargs=nargs,
+        required=True,
+        type=click.Path(),
+    )
 
 
 def read_model(reference: str, values: Sequence[str] = ()) -> FinishedGraph:

@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 
 import click
 
+from bondgraph.cli.command import common_options, format_examples, format_options
 from bondgraph.cli.session import Session
 from bondgraph.errors import BondGraphError, did_you_mean
 
@@ -27,9 +28,16 @@ COMMANDS = {
     "shape": "Size a controller for what is required of the loop.",
     "export": "Write the model as C, MATLAB, Modelica, LaTeX or Python text.",
     "diff": "Say what changed between two versions of a model.",
+    "new": "Make a folder to start from: model, recordings, checks.",
     "demo": "Hide physics in a simulated machine and find it.",
+    "completion": "Print what a shell needs to complete words.",
 }
-REFUSED, INTERRUPTED = 2, 130
+INTERRUPTED = 130
+FIRST = (
+    ("demo", "The main job on a simulated machine"),
+    ("new mymachine --like motor", "A folder to start from"),
+    ("diagnose axis.py run.csv --html report.html", "What a model leaves out"),
+)
 
 
 class Program(click.Group):
@@ -57,6 +65,18 @@ class Program(click.Group):
             )
         return super().resolve_command(ctx, args)
 
+    def format_options(
+        self, ctx: click.Context, formatter: click.HelpFormatter
+    ) -> None:
+        """Write the commands, then the options."""
+        self.format_commands(ctx, formatter)
+        format_options(self, ctx, formatter)
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write a first session as examples, and what an exit status means."""
+        format_examples(FIRST, formatter)
+        super().format_epilog(ctx, formatter)
+
     def format_commands(
         self, ctx: click.Context, formatter: click.HelpFormatter
     ) -> None:
@@ -80,10 +100,10 @@ class Program(click.Group):
             session.refuse(f"interrupted; {session.kept()}.")
             status = INTERRUPTED
         except (BondGraphError, OSError) as error:
-            _trace(session)
+            session.show_traceback(traceback.format_exc())
             status = session.refuse(_said(error))
         except Exception as error:
-            _trace(session)
+            session.show_traceback(traceback.format_exc())
             status = session.refuse(_bug(error, words, shown=session.traceback))
         sys.exit(status or 0)
 
@@ -92,9 +112,23 @@ def _usage(error: click.ClickException) -> str:
     """Return a wrong command line as one sentence and where to read more."""
     text = " ".join(error.format_message().split())
     context = error.ctx if isinstance(error, click.UsageError) else None
+    if isinstance(error, click.NoSuchOption):
+        text = _no_such_option(error)
     if context is None:
         return text
     return f"{text} See {context.command_path} --help."
+
+
+def _no_such_option(error: click.NoSuchOption) -> str:
+    known = set(error.possibilities or ())
+    if error.ctx is not None:
+        params = error.ctx.command.get_params(error.ctx)
+        known |= {
+            name for param in params for name in (*param.opts, *param.secondary_opts)
+        }
+    near = did_you_mean(error.option_name, (o for o in known if o[:1] == "-"))
+    hint = f" {near}" if near.startswith("Did") else ""
+    return f"There is no option {error.option_name}.{hint}"
 
 
 def _said(error: BondGraphError | OSError) -> str:
@@ -111,24 +145,18 @@ def _bug(error: Exception, words: Sequence[str], *, shown: bool) -> str:
     return f"{said}{where}"
 
 
-def _trace(session: Session) -> None:
-    if session.traceback:
-        session.note(traceback.format_exc())
-
-
 @click.group(
     cls=Program,
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     epilog="MODEL is file.py:factory or package.module:factory. Exit status: 0 fine, "
-    "1 the answer is no, 2 the request cannot be served.",
+    "1 the answer is no, 2 the request cannot be served, 130 interrupted.",
+    params=common_options(),
 )
-@click.option("--traceback", is_flag=True, help="Show where an error was raised.")
 @click.version_option(package_name="bondgraph-workbench", prog_name="bondgraph")
 @click.pass_context
-def program(context: click.Context, *, traceback: bool) -> None:
+def program(context: click.Context) -> None:
     """Bond graphs: from a drawn machine to the physics its model leaves out."""
-    context.ensure_object(Session).traceback = traceback
     if context.invoked_subcommand is None:
         click.echo(context.get_help())
 

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import click
 
+from bondgraph.cli.command import Command, json_option
 from bondgraph.cli.inputs import model_argument, read_model
-from bondgraph.cli.session import Session, json_option
+from bondgraph.cli.session import Session
 from bondgraph.cli.shaping_file import ShapingRequest, read_request
 from bondgraph.equations.derivation import derive
 from bondgraph.equations.linear import linearise
@@ -21,18 +22,27 @@ MOST_STATES = 12
 """Larger models are factored from their matrices, not from a closed form."""
 
 
-@click.command("shape")
+@click.command(
+    "shape",
+    cls=Command,
+    examples=(
+        ("shape leg.py:flight --spec loop.toml", "The fastest loop that FILE allows"),
+        ("shape leg.py:flight --spec loop.toml -o loop.svg", "With charts of the loop"),
+    ),
+)
 @model_argument
 @click.option(
     "--spec",
     required=True,
     metavar="FILE",
+    type=click.Path(allow_dash=True),
     help="TOML with controller, filters and requirements; see docs/loop_shaping.md.",
 )
 @click.option(
     "-o",
     "--output",
     metavar="FILE",
+    type=click.Path(allow_dash=True),
     help="Write the charts of the loop: a .png, .svg or .pdf.",
 )
 @json_option

@@ -8,15 +8,16 @@ from typing import Any
 import click
 import numpy as np
 
+from bondgraph.cli.command import Command, json_option
 from bondgraph.cli.fit_options import fit_options
 from bondgraph.cli.inputs import (
-    Reading,
     model_argument,
     read_model,
     read_recordings,
-    recording_options,
+    recording_argument,
 )
-from bondgraph.cli.session import Session, json_option
+from bondgraph.cli.reading_options import Reading, recording_options
+from bondgraph.cli.session import Session
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.fitting.simulate import Solution, SolveStatus, simulate
@@ -30,10 +31,24 @@ LISTED_EVENTS = 8
 """More are counted by kind; all are in the JSON."""
 
 
-@click.command("simulate")
+@click.command(
+    "simulate",
+    cls=Command,
+    examples=(
+        ("simulate axis.py run.csv", "How far the model is from the recording"),
+        ("simulate axis.py run.csv --set mass=95 -o both.csv", "Another value, kept"),
+        ("simulate axis.py run.mat --map 'x=qm[m]'", "Channels with other names"),
+    ),
+)
 @model_argument
-@click.argument("recording", metavar="REC")
-@click.option("-o", "--output", metavar="FILE", help="Write measured and simulated.")
+@recording_argument("recording")
+@click.option(
+    "-o",
+    "--output",
+    metavar="FILE",
+    type=click.Path(allow_dash=True),
+    help="Write measured and simulated.",
+)
 @fit_options(window="whole")
 @recording_options
 @json_option

@@ -4,7 +4,7 @@ import shutil
 import sys
 from typing import TypedDict
 
-from bondgraph.reporting.tables import wants_colour
+from bondgraph.cli.session import Session
 
 WIDEST = 120
 
@@ -16,7 +16,7 @@ class TableStyle(TypedDict):
     width: int
 
 
-def table_style() -> TableStyle:
+def table_style(session: Session) -> TableStyle:
     """Return the style for tables on stdout."""
     columns = shutil.get_terminal_size((100, 24)).columns
-    return TableStyle(colour=wants_colour(sys.stdout), width=min(columns, WIDEST))
+    return TableStyle(colour=session.coloured(sys.stdout), width=min(columns, WIDEST))

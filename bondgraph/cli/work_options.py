@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 import click
 
+from bondgraph.cli.command import WholeNumber
 from bondgraph.diagnosis.work.workers import On, Processes, Where
 from bondgraph.errors import MissingExtraError
 
@@ -33,7 +34,7 @@ def work_options(command: F) -> F:
     )(with_where)
     return click.option(  # type: ignore[return-value]
         "--workers",
-        type=click.IntRange(min=1),
+        type=WholeNumber(min=1),
         metavar="N",
         help="Processes to try hypotheses in; one per core by default.",
     )(with_dask)
