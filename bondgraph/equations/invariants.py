@@ -35,7 +35,7 @@ from bondgraph.structure.elements import (
 )
 from bondgraph.structure.fields import ResistanceField, StorageField
 from bondgraph.structure.graph import FinishedGraph
-from bondgraph.structure.signals import t
+from bondgraph.structure.signals import as_expression, t
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -297,7 +297,7 @@ def _row(terms: Iterable[tuple[sympy.Expr | int, sympy.Expr]]) -> Row:
     row: Row = {}
     for factor, signed in terms:
         (symbol,) = signed.free_symbols
-        value = sympy.sympify(factor) if signed.is_Symbol else -sympy.sympify(factor)
+        value = as_expression(factor) if signed.is_Symbol else -as_expression(factor)
         row[symbol] = total(row.get(symbol, sympy.S.Zero), value)
     return {symbol: value for symbol, value in row.items() if value != 0}
 

@@ -15,7 +15,7 @@ from bondgraph.equations.sorting import replaced
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.equations.steady_state import SteadyState, point_values
 from bondgraph.errors import EquationError, did_you_mean
-from bondgraph.structure.signals import t
+from bondgraph.structure.signals import as_expression, t
 
 _UNDEFINED = (sympy.DiracDelta, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 
@@ -56,7 +56,7 @@ class OperatingPoint:
                     (name,),
                     did_you_mean(name, settable),
                 )
-            self._values[settable[name]] = sympy.sympify(value)
+            self._values[settable[name]] = as_expression(value)
 
     def __call__(self, partial: sympy.Expr) -> sympy.Expr:
         """Return `partial` at the operating point, in terms of parameters."""

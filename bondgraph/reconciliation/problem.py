@@ -19,6 +19,7 @@ from bondgraph.errors import ParameterError, did_you_mean
 from bondgraph.reconciliation.forms import Definition, Forms, Linear
 from bondgraph.reconciliation.published import PublishedResult
 from bondgraph.structure.parameters import Parameter
+from bondgraph.structure.signals import as_expression
 
 FloatArray = NDArray[np.float64]
 
@@ -221,7 +222,7 @@ def build(
 
 
 def _formula(result: PublishedResult) -> sympy.Expr:
-    return sympy.sympify(result.formula)
+    return as_expression(result.formula)
 
 
 def _equation(

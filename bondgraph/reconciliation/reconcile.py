@@ -26,6 +26,7 @@ from bondgraph.reconciliation.records import (
 from bondgraph.reconciliation.relaxation import Cost
 from bondgraph.reconciliation.search import Answer, Found, cheapest
 from bondgraph.structure.parameters import Parameter
+from bondgraph.structure.signals import as_expression
 
 _TIE_BREAK = 1e-3
 """Weight of a move inside a rounding interval: between two equals, the printed one."""
@@ -106,7 +107,7 @@ def _suspects(
 
     A number that is zero within its rounding is none: no factor changes it.
     """
-    used = {str(s) for r in results for s in sympy.sympify(r.formula).free_symbols}
+    used = {str(s) for r in results for s in as_expression(r.formula).free_symbols}
     if suspects is None:
         return tuple(
             name
@@ -314,9 +315,9 @@ def _at(
 
 def _number(formula: sympy.Expr, values: Mapping[str, float]) -> float | None:
     """Return the value of `formula`, None where a parameter has none."""
-    symbols = sympy.sympify(formula).free_symbols
+    symbols = as_expression(formula).free_symbols
     if any(str(symbol) not in values for symbol in symbols):
         return None
     put = {symbol: sympy.Float(values[str(symbol)], 17) for symbol in symbols}
-    number = complex(sympy.sympify(formula).xreplace(put).evalf(17))
+    number = complex(as_expression(formula).xreplace(put).evalf(17))
     return number.real if number.imag == 0 else None

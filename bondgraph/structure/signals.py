@@ -121,13 +121,38 @@ def parameter_symbol(name: str) -> sympy.Symbol:
     return sympy.Symbol(name, real=True)
 
 
+def as_expression(value: object) -> sympy.Expr:
+    """Return a number or an expression as sympy's; text is never evaluated.
+
+    Raises
+    ------
+    StructureError
+        If it is neither.
+    """
+    try:
+        # Not strict, sympy would run text as Python.
+        expression: sympy.Expr = sympy.sympify(value, strict=True)
+    except sympy.SympifyError as error:
+        raise StructureError(
+            f"{value!r} is not an expression.",
+            (repr(value),),
+            "Write it with symbols, as in c*f with c = sympy.Symbol('c').",
+        ) from error
+    return expression
+
+
 def canonical(expression: object) -> sympy.Expr:
     """Return `expression` with every free symbol replaced by its canonical twin.
 
     A user may write ``sympy.symbols("c f")``; symbols are matched by name, so that the
     assumptions they were made with never matter.
+
+    Raises
+    ------
+    StructureError
+        If it is not an expression.
     """
-    sympified: sympy.Expr = sympy.sympify(expression)
+    sympified = as_expression(expression)
     by_name = {symbol.name: symbol for symbol in (*PORT_VARIABLES, t)}
     return sympified.xreplace(
         {
