@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 
 SIDE = 1000.0
 AIR = 0.05  # free space above and below the lines, as a share of their range
+DOT_AIR = 0.015  # and beside dots
 MOST_DOTS = 3000
 
 
@@ -45,8 +46,8 @@ class Chart:
     ----------
     title, description
         What it shows, and the same in a sentence for those who cannot see it.
-    x_range
-        Values at the left and the right edge.
+    x_range, y_range
+        Values at the left and the right edge, and at the lower and the upper one.
     band
         Top and height of a shaded band in the square, or None.
     """
@@ -56,6 +57,7 @@ class Chart:
     x_label: str
     y_label: str
     x_range: tuple[float, float]
+    y_range: tuple[float, float]
     x_ticks: tuple[Tick, ...]
     y_ticks: tuple[Tick, ...]
     lines: tuple[Line, ...]
@@ -96,7 +98,9 @@ def chart(
     band
         Half-width of a band to shade around zero.
     """
-    x_range = _range([c.x for c in curves])
+    # A dot at the edge would be half a dot.
+    dotted = any(c.dots for c in curves)
+    x_range = _range([c.x for c in curves], DOT_AIR if dotted else 0.0)
     y_range = _y_range(curves, frame, band)
     shaded = None
     if band is not None:
@@ -108,6 +112,7 @@ def chart(
         x_label=x_label,
         y_label=y_label,
         x_range=x_range,
+        y_range=y_range,
         x_ticks=ticks(x_range, 6),
         y_ticks=ticks(y_range, 5, upwards=True),
         lines=tuple(_line(c, x_range, y_range, slices) for c in curves),

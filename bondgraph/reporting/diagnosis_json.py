@@ -177,4 +177,11 @@ def _recovered(law: RecoveredLaw) -> dict[str, Any]:
         "value": {"name": law.value_name, "unit": law.value_unit},
         "points": [json_value(law.argument), json_value(law.value)],
         "curve": [json_value(law.curve_argument), json_value(law.curve_value)],
+        "others": [
+            {
+                "physics": other.physics,
+                "curve": [json_value(other.argument), json_value(other.value)],
+            }
+            for other in law.others
+        ],
     }

@@ -59,7 +59,7 @@ def draw_svg(
     colour
         Any other value per place to show as colour.
     highlight
-        Names of elements to mark as inserted.
+        Names of elements to mark as new, and of sensors where these are drawn.
     labels
         What is written at the bonds: ``numbers``, ``names``, ``variables`` (effort
         and flow, each on its side) or ``none``.
@@ -81,7 +81,7 @@ def draw_svg(
         between 0 and 1, or there is no such kind of label or theme.
     """
     marked = frozenset(highlight)
-    check_places(graph, marked)
+    check_places(graph, marked, sensors=signals)
     content = Content(
         causality=causal_marks(graph, assignment),
         colouring=colouring_of(graph, colour, blame),

@@ -6,23 +6,23 @@ what else was considered, what cannot be told apart, and the model to copy. The 
 makes no request, runs without its script, and every text in it is escaped.
 """
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from bondgraph.causality.assignment import assign_causality
 from bondgraph.diagnosis.answer.wording import name_of
-from bondgraph.diagnosis.records import Diagnosis, RecoveredLaw, Trace
-from bondgraph.fitting.result import Estimate
-from bondgraph.reporting.charts import Array, Chart, Curve, chart
+from bondgraph.diagnosis.records import Diagnosis
 from bondgraph.reporting.diagnosis_json import delivered
 from bondgraph.reporting.drawing import draw_svg
 from bondgraph.reporting.files import write_text
 from bondgraph.reporting.model_text import describe_difference, to_python
+from bondgraph.reporting.page.evidence import considered, how_sure, not_told_apart
+from bondgraph.reporting.page.laws import law_picture
+from bondgraph.reporting.page.parameters import parameter_rows
+from bondgraph.reporting.page.provenance import provenance_rows
+from bondgraph.reporting.page.recordings import recording_charts
 from bondgraph.reporting.wording import (
     NOTHING,
     VERDICTS,
@@ -37,51 +37,42 @@ from bondgraph.reporting.wording import (
 if TYPE_CHECKING:
     import jinja2
 
-MOST_SLICES = 1500
-ALL_SLICES = 40_000  # over all charts of a page, so that it stays a few megabytes
+LEAST_BLAME = 0.005
+"""Shares of the error below it are written as 0 %."""
 
 
-@dataclass(frozen=True, slots=True)
-class _ChannelCharts:
-    """The two charts of one output on one recording, which share their time axis."""
-
-    trace: Trace
-    outputs: Chart
-    errors: Chart
-
-
-@dataclass(frozen=True, slots=True)
-class _ParameterRow:
-    """One parameter before and after."""
-
-    name: str
-    unit: str
-    before: str
-    after: str
-    everything: str
-    new: bool
-
-
-def write_report(diagnosis: Diagnosis, path: Path | str) -> None:
+def write_report(diagnosis: Diagnosis, path: Path | str, *, command: str = "") -> None:
     """Write the report page of a diagnosis to the file at `path`.
+
+    Parameters
+    ----------
+    diagnosis
+        Any diagnosis, whatever its verdict.
+    path
+        The file.
+    command
+        The command line that repeats it, to be shown; none by default.
 
     Raises
     ------
     BondGraphError
         If the file cannot be written.
     """
-    write_text(path, report_html(diagnosis))
+    write_text(path, report_html(diagnosis, command=command))
 
 
-def report_html(diagnosis: Diagnosis) -> str:
+def report_html(diagnosis: Diagnosis, *, command: str = "") -> str:
     """Return the report page of a diagnosis: one self-contained HTML document.
 
     Parameters
     ----------
     diagnosis
         Any diagnosis, whatever its verdict.
+    command
+        The command line that repeats it, to be shown; none by default.
     """
-    return _environment().get_template("report.html").render(**_context(diagnosis))
+    page = _environment().get_template("report.html")
+    return page.render(**_context(diagnosis), command=command)
 
 
 @cache
@@ -100,6 +91,7 @@ def _environment() -> "jinja2.Environment":
         percent=percent,
         physics=name_of,
         raised=sentence_start,
+        sure=how_sure,
         unit=unit_words,
     )
     environment.globals.update(
@@ -112,153 +104,46 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
     from markupsafe import Markup  # noqa: PLC0415  (comes with jinja2)
 
     before, model = diagnosis.model_before, delivered(diagnosis).model
-    improved = (before.nodes, before.measurements) != (model.nodes, model.measurements)
     return {
         "diagnosis": diagnosis,
-        "improved": improved,
-        "held_out_known": any(
-            one.held_out_nrmse is not None for one in diagnosis.candidates
-        ),
+        "improved": (before.nodes, before.measurements)
+        != (model.nodes, model.measurements),
+        "considered": considered(diagnosis.candidates),
+        "not_told_apart": not_told_apart(diagnosis),
         "verdict": VERDICTS[diagnosis.verdict],
+        "blame": _shown_blame(diagnosis),
         "picture": Markup(diagnosis_picture(diagnosis)),  # noqa: S704  (escapes its names)
         "units": {m.name: unit_words(m.unit) for m in model.measurements},
-        "recordings": _recordings(diagnosis),
-        "laws": [(law, _law_chart(law)) for law in diagnosis.recovered],
-        "parameters": _parameter_rows(diagnosis),
+        "recordings": recording_charts(diagnosis),
+        "laws": [law_picture(law) for law in diagnosis.recovered],
+        "parameters": parameter_rows(diagnosis),
         "changes": describe_difference(before, model),
         "model_text": to_python(model),
-        "provenance": list(_flattened(diagnosis.provenance)),
+        "provenance": list(provenance_rows(diagnosis.provenance)),
     }
 
 
 def diagnosis_picture(diagnosis: Diagnosis) -> str:
-    """Return the improved graph as SVG, coloured by blame, the insertions marked."""
-    model = diagnosis.model
-    inserted = set(model.by_name) - set(diagnosis.model_before.by_name)
+    """Return the improved graph as SVG, coloured by blame, what is new in it marked.
+
+    Sensors are drawn where one of them was changed.
+    """
+    model, before = diagnosis.model, diagnosis.model_before
+    known = {m.name: m for m in before.measurements}
+    changed = {
+        node.name for node in model.nodes if node != before.by_name.get(node.name)
+    }
+    sensors = {m.name for m in model.measurements if m != known.get(m.name)}
     return draw_svg(
         model,
         assignment=assign_causality(model),
-        blame=diagnosis.blame,
-        highlight=inserted,
+        blame=_shown_blame(diagnosis),
+        highlight=changed | sensors,
+        signals=bool(sensors),
     )
 
 
-def _recordings(diagnosis: Diagnosis) -> dict[str, list[_ChannelCharts]]:
-    """Return the charts of every channel, by recording."""
-    count = max(1, len(diagnosis.traces))
-    slices = min(MOST_SLICES, max(200, ALL_SLICES // count))
-    grouped: dict[str, list[_ChannelCharts]] = {}
-    for trace in diagnosis.traces:
-        noise = diagnosis.noise_floor.get(trace.channel)
-        charts = _ChannelCharts(
-            trace, _output_chart(trace, slices), _error_chart(trace, noise, slices)
-        )
-        grouped.setdefault(trace.recording, []).append(charts)
-    return grouped
-
-
-def _output_chart(trace: Trace, slices: int) -> Chart:
-    unit = unit_words(trace.unit)
-    return chart(
-        (
-            Curve("measured", "measured", trace.time, trace.measured),
-            Curve("before", "before", trace.time, trace.before),
-            Curve("after", "after", trace.time, trace.after),
-        ),
-        title=trace.channel,
-        description=f"{trace.channel} over time: measured, and simulated by the model "
-        f"before and after. Errors: before {_rms(trace.before, trace)} {unit}, after "
-        f"{_rms(trace.after, trace)} {unit} (root mean square).",
-        x_label="time [s]",
-        y_label=f"{trace.channel} [{unit}]",
-        frame=("measured", "after"),
-        slices=slices,
-    )
-
-
-def _error_chart(trace: Trace, noise: float | None, slices: int) -> Chart:
-    # A simulation that runs away would flatten all other errors.
-    reach = 2 * float(np.ptp(trace.measured)) or 1.0
-    curves = tuple(
-        Curve(name, name, trace.time, np.clip(values - trace.measured, -reach, reach))
-        for name, values in (("before", trace.before), ("after", trace.after))
-    )
-    return chart(
-        curves,
-        title=f"error of {trace.channel}",
-        description=f"Simulated minus measured {trace.channel}, before and after.",
-        x_label="time [s]",
-        y_label=f"error [{unit_words(trace.unit)}]",
-        frame=("before", "after"),
-        slices=slices,
-        band=None if noise is None else 2 * noise,
-    )
-
-
-def _rms(simulated: Array, trace: Trace) -> str:
-    error = simulated - trace.measured
-    return number_words(float(np.sqrt(np.mean(error**2))), 3)
-
-
-def _law_chart(law: RecoveredLaw) -> Chart:
-    curves = [Curve("recovered", "cloud", law.argument, law.value, dots=True)]
-    if len(law.curve_argument):
-        order = np.argsort(law.curve_argument, kind="stable")
-        x, y = law.curve_argument[order], law.curve_value[order]
-        dots = not _is_a_curve(y)
-        curves.append(Curve("law", "after dots" if dots else "after", x, y, dots))
-    return chart(
-        curves,
-        title=f"{law.value_name} at {law.place}",
-        description=f"{law.value_name} recovered at {law.place}, against "
-        f"{law.argument_name}: {len(law.argument)} points"
-        + (" and the law found." if len(curves) > 1 else "; no law was found."),
-        x_label=f"{law.argument_name} [{unit_words(law.argument_unit)}]",
-        y_label=f"{law.value_name} [{unit_words(law.value_unit)}]",
-        frame=("recovered", "law"),
-    )
-
-
-def _is_a_curve(values: Array) -> bool:
-    """Return whether a law is a function of the one argument it is shown against.
-
-    One that also depends on a load jumps up and down from point to point, and is shown
-    as points.
-    """
-    return float(np.abs(np.diff(values)).sum()) <= 6 * float(np.ptp(values))
-
-
-def _parameter_rows(diagnosis: Diagnosis) -> list[_ParameterRow]:
-    before = {e.name: e for e in diagnosis.fit_before.estimates}
-    after = {e.name: e for e in diagnosis.fit_after.estimates}
-    everything = {e.name: e for e in delivered(diagnosis).estimates}
-    return [
-        _ParameterRow(
-            name=name,
-            unit=unit_words((after.get(name) or before[name]).unit),
-            before=_estimate(before.get(name)),
-            after=_estimate(after.get(name)),
-            everything=_estimate(everything.get(name)),
-            new=name not in diagnosis.model_before.parameters,
-        )
-        for name in dict.fromkeys((*before, *after))
-    ]
-
-
-def _estimate(estimate: Estimate | None) -> str:
-    if estimate is None:
-        return NOTHING
-    if estimate.std is None:
-        return f"{number_words(estimate.value)} (not identifiable)"
-    return with_deviation(estimate.value, estimate.std)
-
-
-def _flattened(value: object, name: str = "") -> Iterator[tuple[str, str]]:
-    """Yield nested provenance as rows of name and text."""
-    if isinstance(value, Mapping):
-        for key, item in value.items():
-            yield from _flattened(item, f"{name} / {key}" if name else str(key))
-    elif isinstance(value, tuple | list):
-        yield name, ", ".join(str(item) for item in value)
-    else:
-        yield name, str(value)
+def _shown_blame(diagnosis: Diagnosis) -> Mapping[str, float]:
+    """Return the blame, where any place has some."""
+    blame = diagnosis.blame
+    return blame if any(share >= LEAST_BLAME for share in blame.values()) else {}

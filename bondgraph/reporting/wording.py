@@ -51,6 +51,15 @@ def with_deviation(value: float, std: float | None) -> str:
     return f"({both})·10{str(power).translate(_SUPERSCRIPT)}" if power else both
 
 
+def interval_words(low: float, high: float) -> str:
+    """Return ``low to high`` with digits enough to tell the two apart, to a tenth."""
+    size, width = max(abs(low), abs(high)), abs(high - low)
+    digits = 4
+    if math.isfinite(size) and width > 0:
+        digits = max(2, 2 + math.ceil(math.log10(size / width)))
+    return " to ".join(number_words(end, min(digits, 12)) for end in (low, high))
+
+
 def with_unit(text: str, unit: str) -> str:
     """Return a number's text with its unit, which is left out for pure numbers."""
     return text if unit in {"", "1"} else f"{text} {unit_words(unit)}"

@@ -218,9 +218,12 @@ class Picture:
         box, side = self.layout.boxes[sensor.key], self.layout.sides[sensor.key]
         measured = sensor.measurement
         words = f"{measured.name} = {law_text(measured.expression)} [{measured.unit}]"
+        new = measured.name in self.content.inserted
+        mark = _rectangle(box, "mark") if new else ""
         return (
-            f'<g class="sensor" data-name={quoteattr(measured.name)}>'
-            f"<title>{escape(words)}</title>{self.texts[sensor.key].svg(box, side)}</g>"
+            f'<g class="sensor{" inserted" if new else ""}" '
+            f"data-name={quoteattr(measured.name)}><title>{escape(words)}</title>"
+            f"{mark}{self.texts[sensor.key].svg(box, side)}</g>"
         )
 
     def _words(self, node: Node) -> str:

@@ -102,12 +102,15 @@ def colouring_of(
     return colour
 
 
-def check_places(graph: FinishedGraph, names: Iterable[str]) -> None:
-    """Refuse names that no junction or element of the graph has."""
+def check_places(
+    graph: FinishedGraph, names: Iterable[str], *, sensors: bool = False
+) -> None:
+    """Refuse names that no junction or element of the graph has, nor a sensor if so."""
+    known = {*graph.by_name, *(m.name for m in graph.measurements if sensors)}
     for name in sorted(names):
-        if name not in graph.by_name:
+        if name not in known:
             raise StructureError(
                 f"There is no {name!r} in {graph.name!r} to colour or mark.",
                 (name,),
-                did_you_mean(name, graph.by_name),
+                did_you_mean(name, known),
             )

@@ -12,7 +12,7 @@ LEAST_WIDTH = 440.0
 MARGIN = 26.0
 STEPS = 6
 WORDS: Mapping[str, str] = {
-    "inserted": "inserted",
+    "inserted": "new or changed",
     "derivative": "derivative causality",
     "chosen": "causality chosen freely",
     "preferred": "causality as preferred",

@@ -1,0 +1,105 @@
+"""What was considered, with its evidence, and what could not be told apart."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from bondgraph.diagnosis.answer.wording import name_of
+from bondgraph.diagnosis.records import Diagnosis, Evidence, Finding, Support
+from bondgraph.reporting.wording import sentence_start
+
+SHOWN = 8
+SURE = 0.995
+
+
+@dataclass(frozen=True, slots=True)
+class Whisker:
+    """A value with its interval on a line from 0 to 100, in per cent of its length."""
+
+    low: float
+    value: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class Considered:
+    """The candidates of a page: the best of each law at each place, and the others.
+
+    Parameters
+    ----------
+    zero
+        Where on the line of gains no gain is, in per cent.
+    """
+
+    shown: tuple[tuple[Evidence, Whisker], ...]
+    folded: tuple[tuple[Evidence, Whisker], ...]
+    zero: float
+    held_out_known: bool
+
+
+def considered(candidates: Sequence[Evidence]) -> Considered:
+    """Return the candidates of a page, in the order given.
+
+    A law may be tried at a place in several ways, of which the first is the best.
+    """
+    seen: set[tuple[str, str]] = set()
+    shown: list[Evidence] = []
+    folded: list[Evidence] = []
+    for one in candidates:
+        first = (one.physics, one.place) not in seen
+        seen.add((one.physics, one.place))
+        (shown if first and len(shown) < SHOWN else folded).append(one)
+    least = min((one.gain - one.gain_std for one in candidates), default=0.0)
+    low = max(min(least, 0.0), -1.0)
+
+    def placed(one: Evidence) -> tuple[Evidence, Whisker]:
+        low_end, value, high_end = (
+            100 * (min(max(gain, low), 1.0) - low) / (1.0 - low)
+            for gain in (one.gain - one.gain_std, one.gain, one.gain + one.gain_std)
+        )
+        return one, Whisker(low_end, value, high_end)
+
+    return Considered(
+        shown=tuple(map(placed, shown)),
+        folded=tuple(map(placed, folded)),
+        zero=100 * -low / (1.0 - low),
+        held_out_known=any(one.held_out_nrmse is not None for one in candidates),
+    )
+
+
+def not_told_apart(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Return what these recordings do not decide, a sentence for each."""
+    told = [sentence for one in diagnosis.findings for sentence in _of_finding(one)]
+    if not diagnosis.findings:
+        undecided = dict.fromkeys(
+            f"{name_of(one.physics)} at {one.place}"
+            for one in diagnosis.candidates
+            if one.support is not Support.REFUTED
+        )
+        told += [
+            f"{sentence_start(words)} would help; these recordings do not say whether "
+            "it is there."
+            for words in undecided
+        ]
+    told += [f"Not identifiable: {one}." for one in diagnosis.fit_after.unidentifiable]
+    return tuple(told)
+
+
+def _of_finding(finding: Finding) -> Iterator[str]:
+    what = sentence_start(name_of(finding.physics))
+    if finding.indistinguishable_places:
+        places = " or ".join(finding.indistinguishable_places)
+        yield f"{what} at {finding.place} may as well sit at {places}."
+    rivals = dict.fromkeys(
+        f"{name_of(one.physics)} at {one.place}"
+        for one in finding.alternatives
+        if one.support is not Support.REFUTED and one.physics != finding.physics
+    )
+    if rivals:
+        yield f"{what} at {finding.place} may as well be {' or '.join(rivals)}."
+
+
+def how_sure(probability: float) -> str:
+    """Return the probability of a finding in words."""
+    if probability >= SURE:
+        return "more than 99 of 100"
+    return f"{100 * probability:.0f} of 100"
