@@ -1,0 +1,359 @@
+"""For every law a machine, a drive and numbers with which its signature is seen.
+
+A scene says at which place of which machine the law is left out, what drives the
+machine, which output tells it, and which two signals draw the law. ``*`` stands for the
+element that the law adds; ``law`` for the law itself. The numbers are chosen so that
+the eye sees the law; they mean nothing else.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph import FinishedGraph
+from bookmaking import machines
+
+Array = NDArray[np.float64]
+Drive = Callable[[float], float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scene:
+    """Where and how one law is looked at.
+
+    Parameters
+    ----------
+    machine, place
+        Who leaves it out, and where it belongs.
+    values
+        Of its fitted parameters, without the name of the place.
+    drive
+        Every input as a function of time.
+    output
+        The measurement that shows it.
+    across, up
+        The signals that draw the law.
+    seconds, step
+        How long, and how finely.
+    labels
+        What the axes of the law are called, where that is not the quantity's own word.
+    left
+        The letter of what the law gives, where it is not what is drawn upwards.
+    written
+        The law as LaTeX, where its expression is not to be read.
+    """
+
+    machine: Callable[[], FinishedGraph]
+    place: str
+    values: Mapping[str, float]
+    drive: Mapping[str, Drive]
+    output: str
+    across: str
+    up: str = "effort(*)"
+    seconds: float = 10.0
+    step: float = 0.01
+    labels: tuple[str, str] = ("", "")
+    left: str = ""
+    written: str = ""
+
+
+def _wave(size: float, slow: float = 1.0, fast: float = 2.7) -> Drive:
+    """Return a sum of two sines."""
+    return lambda t: size * (0.7 * np.sin(slow * t) + 0.5 * np.sin(fast * t))
+
+
+def _pulse(height: float, until: float, begin: float = 0.0) -> Drive:
+    """Return `height` between two instants, and 0 else."""
+    return lambda t: height if begin <= t < until else 0.0
+
+
+def _steps(*heights: float, every: float) -> Drive:
+    """Return one height after the other."""
+    return lambda t: heights[min(int(t / every), len(heights) - 1)]
+
+
+def _swept(size: float, low: float, high: float, seconds: float) -> Drive:
+    """Return a sine whose rate grows from `low` to `high` rad/s."""
+    return lambda t: size * np.sin((low + (high - low) * t / (2 * seconds)) * t)
+
+
+def _slow(size: float, rate: float = 0.8) -> Drive:
+    """Return a slow sine."""
+    return lambda t: size * np.sin(rate * t)
+
+
+_CART = {"machine": machines.cart, "place": "carriage", "output": "speed"}
+_PUSHED = {**_CART, "drive": {"force": _wave(10.0)}, "across": "flow(carriage)"}
+_RINGING = {
+    "machine": machines.oscillator,
+    "place": "carriage",
+    "output": "position",
+    "drive": {"force": _pulse(8.0, 0.7)},
+}
+_COMMANDED = {
+    **_CART,
+    "place": "force",
+    "drive": {"force": _wave(10.0)},
+    "across": "effort(force)",
+    "up": "effort(*)",
+    "labels": ("force commanded [N]", "force that acts [N]"),
+    "left": r"u_{\mathrm{acts}}",
+}
+_READ = {
+    **_CART,
+    "place": "speed",
+    "drive": {"force": _wave(10.0)},
+    "across": "flow(carriage)",
+    "up": "law",
+    "labels": ("speed there is [m/s]", "speed read [m/s]"),
+    "left": "y",
+}
+_TURNED = {
+    "machine": machines.shaft,
+    "place": "shaft",
+    "output": "speed",
+    "across": "displacement(shaft)",
+    "up": "-effort(*)",
+}
+_FILLED = {
+    "machine": machines.closed_tank,
+    "place": "tank",
+    "output": "pressure",
+    "drive": {"inflow": _pulse(2.0, 3.0)},
+    "across": "effort(tank)",
+    "up": "flow(*)",
+}
+
+SCENES: Mapping[str, Scene] = {
+    "ViscousFriction": Scene(
+        **_RINGING, across="flow(carriage)", values={"viscous": 2.0}
+    ),
+    "CoulombFriction": Scene(
+        **_RINGING, across="flow(carriage)", values={"coulomb": 1.0}
+    ),
+    "VoltageDrop": Scene(
+        machine=machines.winding,
+        place="winding",
+        values={"drop": 0.8},
+        drive={"voltage": _slow(3.0, 1.2)},
+        output="current",
+        across="flow(winding)",
+    ),
+    "LoadDependentFriction": Scene(
+        machine=machines.worm_drive,
+        place="motor",
+        values={"mu": 0.25},
+        drive={
+            "torque": lambda t: 1.5 * np.sin(2.3 * t),
+            "load": lambda t: 4.0 * np.sin(0.5 * t),
+        },
+        output="speed",
+        across="effort(motor>gear)",
+        seconds=14.0,
+    ),
+    "DirectionDependentFriction": Scene(
+        **_PUSHED, values={"coulomb_forward": 4.0, "coulomb_backward": 1.5}
+    ),
+    "StribeckFriction": Scene(
+        **_CART,
+        drive={"force": _wave(6.0)},
+        across="flow(carriage)",
+        values={"coulomb": 1.5, "stribeck_rise": 2.0, "stribeck_flow": 0.15},
+    ),
+    "QuadraticDrag": Scene(**_PUSHED, values={"quadratic": 2.0}),
+    "ConstantBias": Scene(**_PUSHED, up="-effort(*)", values={"bias": -3.0}),
+    "Gravity": Scene(
+        **_TURNED,
+        drive={"torque": lambda t: 0.35 * t},
+        seconds=7.0,
+        values={"gravity_sine": 1.2, "gravity_cosine": 0.0},
+    ),
+    "Spring": Scene(
+        **{**_PUSHED, "across": "displacement(carriage)", "output": "position"},
+        up="-effort(*)",
+        values={"stiffness": 6.0, "spring_offset": 0.0},
+    ),
+    "HardeningSpring": Scene(
+        **{**_RINGING, "drive": {"force": _swept(4.0, 3.0, 9.0, 16.0)}},
+        across="displacement(carriage)",
+        up="-effort(*)",
+        seconds=16.0,
+        values={"cubic_stiffness": 60.0},
+    ),
+    "AddedInertia": Scene(**_PUSHED, up="momentum(*)", values={"added_inertia": 2.0}),
+    "AddedCompliance": Scene(
+        machine=machines.pipe,
+        place="line",
+        values={"added_compliance": 0.3},
+        drive={"pump": _steps(0.0, 2.0, 1.0, 2.5, every=2.0)},
+        output="pressure",
+        across="effort(line)",
+        up="displacement(*)",
+        seconds=8.0,
+    ),
+    "Leak": Scene(**_FILLED, values={"leak": 0.15}),
+    "Slip": Scene(
+        machine=machines.belt,
+        place="coupling",
+        values={"leak": 0.5},
+        drive={"force": _steps(6.0, -6.0, 6.0, -6.0, every=2.5)},
+        output="far_position",
+        across="effort(coupling)",
+        up="flow(*)",
+    ),
+    "SquareLaw": Scene(
+        **{**_FILLED, "machine": machines.draining_tank},
+        values={"outlet_flow": 1.3},
+    ),
+    "SquareRootOrifice": Scene(**_FILLED, values={"orifice": 1.0}),
+    "Overflow": Scene(
+        **{
+            **_FILLED,
+            "machine": machines.draining_tank,
+            "drive": {"inflow": _pulse(2.0, 5.0)},
+        },
+        values={"overflow_level": 5.0, "overflow": 8.0},
+    ),
+    "Clamp": Scene(
+        machine=machines.rail,
+        place="rail",
+        values={"overflow_level": 5.0, "overflow": 20.0},
+        drive={"charger": _steps(2.0, 0.5, 1.8, 0.0, every=2.5)},
+        output="voltage",
+        across="effort(rail)",
+        up="flow(*)",
+    ),
+    "Radiation": Scene(
+        machine=machines.heated_block,
+        place="block",
+        written=(
+            r"\mathrm{radiation} \left(\left(\frac{e + \mathrm{radiation}_"
+            r"{\mathrm{zero}}}{293.15\,\mathrm{K}}\right)^4 - \left(\frac{"
+            r"\mathrm{radiation}_{\mathrm{room}}}{293.15\,\mathrm{K}}\right)^4\right)"
+        ),
+        values={"radiation": 6.0, "radiation_room": 293.15},
+        drive={"heater": _pulse(60.0, 400.0)},
+        output="temperature",
+        across="effort(block)",
+        up="flow(*)",
+        seconds=800.0,
+        step=1.0,
+    ),
+    "EndStop": Scene(
+        **_RINGING,
+        across="displacement(carriage)",
+        up="-effort(*)",
+        values={
+            "upper_stop": 0.12,
+            "upper_stop_stiffness": 2000.0,
+            "upper_stop_damping": 2000.0,
+        },
+        seconds=5.0,
+        step=0.002,
+    ),
+    "SeriesCompliance": Scene(
+        machine=machines.worm_drive,
+        place="gear",
+        values={"compliance": 0.15, "compliance_damping": 0.06},
+        drive={"torque": _steps(1.0, -1.0, 1.0, every=2.0), "load": lambda t: 0.0},
+        output="speed",
+        across="displacement(*)",
+        up="effort(*)",
+        seconds=6.0,
+        step=0.005,
+    ),
+    "FlexibleMode": Scene(
+        **_CART,
+        drive={"force": _steps(6.0, -6.0, 6.0, every=2.5)},
+        across="displacement(mode_carriage_spring)",
+        up="effort(mode_carriage_spring)",
+        seconds=7.0,
+        values={"mode_inertia": 0.6, "mode_frequency": 12.0, "mode_damping": 0.05},
+    ),
+    "Backlash": Scene(
+        machine=machines.belt,
+        place="spring",
+        values={"half_gap": 0.15},
+        drive={"force": _slow(6.0, 1.6)},
+        output="far_position",
+        across="displacement(spring)",
+        up="effort(spring)",
+    ),
+    "DahlHysteresis": Scene(
+        **{**_PUSHED, "across": "displacement(carriage)"},
+        up="-effort(*)",
+        values={"hysteresis": 4.0, "presliding": 0.15},
+    ),
+    "BoucWenHysteresis": Scene(
+        **{**_PUSHED, "across": "displacement(carriage)"},
+        up="-effort(*)",
+        values={"hysteresis": 4.0, "presliding": 0.3, "hysteresis_share": 0.55},
+    ),
+    "Cogging": Scene(
+        **_TURNED,
+        drive={"torque": lambda t: 0.12 * t},
+        seconds=8.0,
+        values={"cogging_sine": 0.25, "cogging_cosine": 0.0, "cogging_wave": 6.0},
+    ),
+    "Eccentricity": Scene(
+        machine=machines.worm_drive,
+        place="gear",
+        values={"runout_sine_motor": 0.3, "runout_cosine_motor": 0.0},
+        drive={"torque": lambda t: 0.05 * t, "load": lambda t: 1.0},
+        output="speed",
+        across="displacement(motor)",
+        up="law",
+        labels=("angle of the motor [rad]", "ratio"),
+        left="K",
+    ),
+    "SaturatingInertia": Scene(
+        machine=machines.winding,
+        place="inductance",
+        values={"saturation": 2000.0},
+        drive={"voltage": lambda t: 6.0 * np.sin(40.0 * t)},
+        output="current",
+        across="flow(inductance)",
+        up="momentum(inductance)",
+        left="f",
+        seconds=0.6,
+        step=0.0005,
+    ),
+    "TemperatureDependentResistance": Scene(
+        machine=machines.winding,
+        place="resistance",
+        values={"warming": 0.5, "warming_time": 15.0},
+        drive={"voltage": lambda t: 3.0 * np.sin(1.5 * t)},
+        output="current",
+        across="flow(resistance)",
+        up="effort(resistance)",
+        seconds=60.0,
+        step=0.02,
+    ),
+    "SpeedLimit": Scene(
+        **_PUSHED, values={"flow_limit": 1.2, "flow_limit_steepness": 60.0}
+    ),
+    "SensorBias": Scene(**_READ, values={"sensor_bias": 0.4}),
+    "SensorScale": Scene(**_READ, values={"sensor_scale": 0.75}),
+    "InputScale": Scene(**_COMMANDED, values={"input_scale": 0.7}),
+    "Lag": Scene(**_COMMANDED, values={"lag": 0.4}),
+    "Delay": Scene(**_COMMANDED, values={"delay": 0.4}),
+    "Saturation": Scene(**_COMMANDED, values={"limit": 6.0}),
+    "DeadZone": Scene(**_COMMANDED, values={"dead_zone": 3.0}),
+    "SensorNonlinearity": Scene(
+        **_READ, values={"sensor_square": 0.0, "sensor_cube": -0.35}
+    ),
+    "UnknownRelation": Scene(
+        **_PUSHED,
+        written=(
+            r"h_i + (h_{i+1} - h_i) \frac{f / s - k_i}{k_{i+1} - k_i}, \quad "
+            r"k_i \le f / s \le k_{i+1}, \quad h_i = \mathrm{curve}_i, \quad "
+            r"s = \mathrm{curve}_{\mathrm{flow}}"
+        ),
+        values={
+            f"curve_{i}": height
+            for i, height in enumerate((-2.0, -4.5, -2.0, -0.3, 0.3, 2.0, 4.5, 2.0))
+        },
+    ),
+}
