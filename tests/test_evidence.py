@@ -1,0 +1,356 @@
+"""Evidence: errors on left-out data against least squares by hand, and the decision."""
+
+from itertools import pairwise
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from bondgraph import BondGraph, C, R, Recording, Sf, bind_to
+from bondgraph.diagnosis.evidence import left_out
+from bondgraph.diagnosis.evidence.confidence import winning_shares
+from bondgraph.diagnosis.evidence.decision import (
+    Judged,
+    Rule,
+    alike,
+    alternatives_to,
+    best_supported,
+    clearly_better,
+    judge,
+    probability,
+)
+from bondgraph.diagnosis.evidence.left_out import (
+    FOLDS,
+    Gain,
+    LeftOutErrors,
+    chunk_count,
+    chunk_labels,
+    compare,
+    left_out_errors,
+)
+from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.candidates import CURVE
+from bondgraph.fitting.estimate import FitSettings, fit_model
+from bondgraph.fitting.horizon import SHORTEST, WholeRecordings, Windows
+
+RULE = Rule()
+
+
+def slider(samples=600, noise=0.1, horizon=None):
+    """Return a fitted slider whose friction is viscous, and what was recorded."""
+    graph = BondGraph("slider", domain="translation")
+    graph.one("body", Sf("speed"), R("rub"))
+    graph.measure("force", effort="rub")
+    graph.parameter("rub", 2.0, "N*s/m")
+    random = np.random.default_rng(1)
+    time = 0.01 * np.arange(samples)
+    speed = random.standard_normal(samples)
+    force = 2.2 * speed + noise * random.standard_normal(samples)
+    channels = {"speed": (speed, "m/s"), "force": (force, "N")}
+    recording = bind_to(graph.finish(), Recording.from_arrays("a", time, channels))
+    settings = FitSettings(horizon=horizon or WholeRecordings())
+    return fit_model(graph.finish(), [recording], settings), speed, force
+
+
+def by_hand(speed, force, labels, chunks, scored, shown=0):
+    """Least squares without each fold in turn; the squared errors on it."""
+    totals = np.zeros(chunks)
+    for fold in range(FOLDS):
+        out = labels % FOLDS == fold
+        train = ~out | (np.arange(len(speed)) < shown)
+        rub = speed[train] @ force[train] / (speed[train] @ speed[train])
+        squared = (force - rub * speed) ** 2 * (out & scored)
+        totals += np.bincount(labels, weights=squared, minlength=chunks)
+    return totals
+
+
+def test_errors_left_out_are_those_of_least_squares_without_the_fold():
+    fitted, speed, force = slider()
+    labels = np.arange(600) * 12 // 600
+    # The first samples are never hidden: the window's state has to come from there.
+    expected = by_hand(speed, force, labels, 12, np.ones(600, bool), SHORTEST)
+    found = left_out_errors(fitted, 12).chunks * fitted.problem.sigma[0] ** 2
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+
+
+def test_whole_windows_left_out_are_scored_on_their_second_halves():
+    fitted, speed, force = slider(horizon=Windows(50))
+    assert fitted.problem.shots.n_windows == 12
+    labels = np.repeat(np.arange(12), 50)
+    second = np.arange(600) % 50 >= 25
+    expected = by_hand(speed, force, labels, 12, second)
+    found = left_out_errors(fitted, 12).chunks * fitted.problem.sigma[0] ** 2
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+
+
+def charged(windows):
+    """Return a fitted compliance whose state nobody knows but its own windows."""
+    graph = BondGraph("spring", domain="translation")
+    graph.zero("end", Sf("speed"), C("give"))
+    graph.measure("force", effort="end")
+    graph.parameter("give", 0.5, "m/N", bounds=(0.01, 10))
+    random = np.random.default_rng(2)
+    time = 0.01 * np.arange(400)
+    speed = np.sin(7 * time) + 0.5 * np.sin(23 * time)
+    stretch = 3.0 + np.concatenate([[0], np.cumsum((speed[1:] + speed[:-1]) * 0.005)])
+    force = stretch / 0.4 + 1e-3 * random.standard_normal(400)
+    channels = {"speed": (speed, "m/s"), "force": (force, "N")}
+    recording = bind_to(graph.finish(), Recording.from_arrays("a", time, channels))
+    return fit_model(graph.finish(), [recording], FitSettings(horizon=windows))
+
+
+def test_a_window_that_was_left_out_gets_its_state_from_its_first_half():
+    fitted = charged(Windows(40))
+    assert fitted.problem.shots.n_windows == 10
+    found = left_out_errors(fitted, 10).chunks * fitted.problem.sigma[0] ** 2
+    # 20 scored samples each, of noise and the error of a state known from 20.
+    np.testing.assert_allclose(found.sum(), 10 * 20 * 1e-6 * (1 + 1 / 20), rtol=0.25)
+
+
+def test_a_model_that_cannot_be_simulated_has_finite_and_huge_errors(monkeypatch):
+    fitted, _, _ = slider(60)
+    nowhere = SimpleNamespace(residuals=np.full((60, 1), np.nan))
+    monkeypatch.setattr(left_out, "linearise_windows", lambda *_: nowhere)
+    assert (left_out_errors(fitted, 6).chunks == 1e13).all()
+
+
+def with_residuals(residuals, windows=1):
+    shots = SimpleNamespace(n_windows=windows)
+    at = SimpleNamespace(residuals=residuals)
+    return SimpleNamespace(
+        optimum=SimpleNamespace(linearisation=at), problem=SimpleNamespace(shots=shots)
+    )
+
+
+def test_chunks_are_several_correlation_times_long():
+    random = np.random.default_rng(3)
+    white = random.standard_normal((4000, 1))
+    assert chunk_count(with_residuals(white)) == 24
+    assert chunk_count(with_residuals(white, windows=30)) == 24
+    slow = np.convolve(white[:, 0], np.ones(150), "same")[:, None]
+    few = chunk_count(with_residuals(slow))
+    assert 6 <= few < 24
+    # The slowest of the outputs decides.
+    assert chunk_count(with_residuals(np.hstack([white, slow]))) == few
+    assert (
+        chunk_count(with_residuals(np.convolve(white[:, 0], np.ones(2000))[:, None]))
+        == 6
+    )
+
+
+def problem_of(sizes):
+    edges = np.cumsum([0, *sizes])
+    slices = [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    shots = SimpleNamespace(
+        n_windows=len(sizes), time=np.zeros(edges[-1]), slices=slices
+    )
+    return SimpleNamespace(shots=shots)
+
+
+def test_chunks_are_equal_parts_or_runs_of_whole_windows():
+    np.testing.assert_array_equal(
+        chunk_labels(problem_of([12]), 4), np.repeat([0, 1, 2, 3], 3)
+    )
+    np.testing.assert_array_equal(
+        chunk_labels(problem_of([2, 3, 1, 4]), 2), [0] * 5 + [1] * 5
+    )
+    np.testing.assert_array_equal(chunk_labels(problem_of([1, 2]), 2), [0, 1, 1])
+
+
+def errors(*values):
+    return LeftOutErrors(np.array(values, dtype=float))
+
+
+def test_a_gain_is_the_share_of_the_error_with_its_jackknife_error():
+    before, after = errors(4, 5, 6, 5, 7, 3), errors(2, 4, 3, 3, 5, 1)
+    gain = compare(before, after)
+    assert gain.value == pytest.approx(1 - 18 / 30)
+    left = np.array([1 - (18 - a) / (30 - b) for a, b in zip(
+        after.chunks, before.chunks, strict=True)])  # fmt: skip
+    std = np.sqrt(5 / 6 * ((left - left.mean()) ** 2).sum())
+    assert gain.std == pytest.approx(std)
+    of_sum = stats.t.sf(gain.value / std, 5)
+    ratios = stats.ttest_1samp(np.log(before.chunks / after.chunks), 0).statistic
+    of_ratios = stats.t.sf(ratios, 5)
+    assert gain.p_value == pytest.approx(2 * min(of_sum, of_ratios), rel=1e-6)
+
+
+def test_a_gain_of_nothing_and_a_gain_of_the_same_everywhere():
+    assert compare(errors(0, 0, 0), errors(1, 2, 3)) == Gain(0.0, 0.0, 1.0)
+    assert compare(errors(2, 2, 2), errors(2, 2, 2)) == Gain(0.0, 0.0, 1.0)
+    assert compare(errors(2, 2, 2), errors(1, 1, 1)) == Gain(0.5, 0.0, 0.0)
+    assert compare(errors(1, 1, 1), errors(2, 2, 2)).p_value == 1.0
+    worse = compare(errors(1, 2, 3, 4), errors(2, 3, 5, 9))
+    assert worse.value < 0
+    assert worse.p_value == 1.0
+
+
+def candidate(physics="drag", place="body", complexity=1, extends=(), domain=""):
+    domains = [SimpleNamespace(name=domain)] if domain else []
+    return SimpleNamespace(
+        hypothesis=SimpleNamespace(physics=physics, place=place, extends=extends),
+        complexity=complexity,
+        fitted=SimpleNamespace(graph=SimpleNamespace(domains_at=lambda _: domains)),
+    )
+
+
+def judged(left, support=Support.SUPPORTED, **kinds):
+    """Return a candidate that leaves `left` of every chunk's error, give or take."""
+    ripple = 1.0 + 0.01 * np.sin(np.arange(24) * len(str(kinds)))
+    after = LeftOutErrors(BASE.chunks * left * ripple)
+    gain = compare(BASE, after)
+    return Judged(candidate(**kinds), after, gain, support, "")
+
+
+BASE = LeftOutErrors(1.0 + 0.3 * np.sin(np.arange(24.0)))
+
+
+@pytest.mark.parametrize(
+    ("left", "spread", "tried", "support", "said"),
+    [
+        (0.5, 0.01, 10, Support.SUPPORTED, "reduces"),
+        (0.89, 0.001, 1, Support.SUPPORTED, "reduces"),
+        (0.91, 0.001, 1, Support.REFUTED, "too little"),
+        (1.2, 0.01, 1, Support.REFUTED, "too little"),
+        (0.7, 1.5, 1000, Support.UNDECIDED, "among 1000"),
+        (0.95, 0.9, 1, Support.UNDECIDED, "could be nothing"),
+    ],
+)
+def test_what_left_out_chunks_say_of_a_candidate(left, spread, tried, support, said):
+    random = np.random.default_rng(4)
+    after = LeftOutErrors(
+        BASE.chunks * left * np.exp(spread * random.standard_normal(24))
+    )
+    after.chunks[:] *= left * BASE.chunks.sum() / after.chunks.sum()
+    found = judge(candidate(), BASE, after, tried, RULE)
+    assert (found.support, said in found.reason) == (support, True)
+    assert found.gain.value == pytest.approx(1 - left)
+
+
+def test_the_number_tried_counts_against_each():
+    after = LeftOutErrors(BASE.chunks * (0.8 + 0.3 * np.cos(np.arange(24) * 5)))
+    p_value = compare(BASE, after).p_value
+    just = RULE.false_alarm_probability / p_value
+    assert (
+        judge(candidate(), BASE, after, 0.99 * just, RULE).support is Support.SUPPORTED
+    )
+    assert (
+        judge(candidate(), BASE, after, 1.01 * just, RULE).support is Support.UNDECIDED
+    )
+
+
+def test_nothing_is_chosen_where_nothing_is_supported():
+    assert best_supported([], RULE) is None
+    assert best_supported([judged(0.3, Support.UNDECIDED)], RULE) is None
+
+
+def test_the_better_of_two_as_simple_is_chosen_and_the_simpler_of_two_as_good():
+    good, better = judged(0.5), judged(0.2, physics="spring")
+    assert best_supported([good, better], RULE) is better
+    wide = judged(0.195, physics="backlash", complexity=2)
+    assert best_supported([wide, good, better], RULE) is better
+    much = judged(0.05, physics="backlash", complexity=2)
+    assert best_supported([much, better], RULE) is much
+
+
+def test_of_laws_that_predict_alike_the_plainest_is_told_at_its_best_place():
+    order = RULE.order
+    plain, odd = order[0], order[-2]
+    assert order.index(plain) < order.index(odd)
+    told = judged(0.301, physics=plain, place="a")
+    best = judged(0.30, physics=odd)
+    assert best_supported([best, told], RULE) is told
+    nearer = judged(0.3005, physics=plain, place="b")
+    assert best_supported([best, told, nearer], RULE) is nearer
+
+
+def test_what_is_typical_of_a_domain_is_plainer_there():
+    typical = judged(0.3, physics="leak", domain="hydraulic")
+    other = judged(0.3, physics=RULE.order[0], domain="hydraulic")
+    assert RULE.plainness(typical) < RULE.plainness(other)
+    nowhere = judged(0.3, physics="leak")
+    assert RULE.plainness(nowhere) > RULE.plainness(judged(0.3, physics=RULE.order[0]))
+    own = judged(0.3, physics="a law of the user's")
+    assert RULE.plainness(own) == (True, len(RULE.order))
+
+
+def test_a_curve_without_a_name_is_told_only_where_no_name_gives_most_of_it():
+    curve = judged(0.1, physics=CURVE, complexity=8)
+    most = judged(0.2, physics="drag")
+    assert best_supported([curve, most], RULE) is most
+    little = judged(0.5, physics="drag")
+    assert best_supported([curve, little], RULE) is curve
+    assert best_supported([curve], RULE) is curve
+
+
+def test_clearly_better_is_material_and_significant():
+    one, other = judged(0.30), judged(0.312, physics="spring")
+    assert not clearly_better(one, other, RULE)
+    assert not clearly_better(one, one, RULE)
+    assert clearly_better(one, judged(0.35, physics="spring"), RULE)
+    assert not clearly_better(judged(0.35, physics="spring"), one, RULE)
+    noisy = LeftOutErrors(BASE.chunks * np.where(np.arange(24) == 3, 8.0, 0.3))
+    rough = Judged(candidate(), noisy, compare(BASE, noisy), Support.SUPPORTED, "")
+    assert not clearly_better(one, rough, RULE)
+
+
+def test_alike_is_within_two_per_cent_or_an_error_either_way():
+    one = judged(0.300)
+    assert alike(one, judged(0.304, physics="spring"))
+    assert alike(judged(0.304, physics="spring"), one)
+    assert not alike(one, judged(0.32, physics="spring"))
+    assert not alike(judged(0.32, physics="spring"), one)
+
+
+def test_alternatives_are_supported_close_and_no_extensions():
+    chosen = judged(0.30, physics="coulomb_friction")
+    close = judged(0.303, physics="spring")
+    closer = judged(0.301, physics="gravity")
+    others = [
+        judged(0.9, physics="drag"),
+        judged(0.30, Support.UNDECIDED, physics="slip"),
+        judged(0.29, physics=CURVE, complexity=8),
+        judged(0.30, physics="stribeck_friction", extends=("coulomb_friction",)),
+        judged(0.30, physics="coulomb_friction", complexity=2),
+    ]
+    found = alternatives_to(chosen, [close, chosen, *others, closer], RULE)
+    assert found == (closer, close)
+    elsewhere = judged(0.302, physics="coulomb_friction", place="motor")
+    assert alternatives_to(chosen, [chosen, elsewhere], RULE) == (elsewhere,)
+
+
+def test_the_probability_counts_the_same_physics_where_it_cannot_be_told_apart():
+    chosen = judged(0.30, physics="coulomb_friction")
+    near = judged(0.301, physics="coulomb_friction", place="motor")
+    assert probability(chosen, [chosen, near], BASE, RULE) == pytest.approx(1.0)
+    rival = judged(0.30, physics="coulomb_friction")
+    twin = Judged(candidate("spring"), rival.errors, rival.gain, rival.support, "")
+    shared = probability(rival, [rival, twin], BASE, RULE)
+    assert shared == pytest.approx(0.5)
+    wider = Judged(candidate("spring", complexity=2), *twin_of(rival))
+    assert probability(rival, [rival, wider], BASE, RULE) == pytest.approx(1.0)
+    extending = Judged(
+        candidate("stribeck", extends=("coulomb_friction",)), *twin_of(rival)
+    )
+    assert probability(rival, [rival, extending], BASE, RULE) == pytest.approx(1.0)
+    curve = judged(0.27, physics=CURVE, complexity=8)
+    assert probability(chosen, [chosen, curve], BASE, RULE) == pytest.approx(1.0)
+    nothing = judged(0.95, physics="drag")
+    assert probability(nothing, [nothing], BASE, RULE) == pytest.approx(0.0)
+
+
+def twin_of(one):
+    return one.errors, one.gain, one.support, ""
+
+
+def test_shares_are_those_of_resampled_chunks():
+    """Two models that are better on one chunk of three each, by exact counting."""
+    first, second = errors(1.0, 2.0, 2.0), errors(2.0, 1.0, 2.0)
+    # Of 27 draws of three chunks as many prefer the one as the other; ties are shared.
+    shares = winning_shares([first, second], [1.0, 1.0])
+    np.testing.assert_allclose(shares, [0.5, 0.5], atol=0.03)
+    assert shares.sum() == pytest.approx(1.0)
+    # The first loses all but where it is drawn more often: P(n1 > n2) = 10/27.
+    handicapped = winning_shares([first, second], [1.0 + 1e-9, 1.0])
+    np.testing.assert_allclose(handicapped, [10 / 27, 17 / 27], atol=0.03)
