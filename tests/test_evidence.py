@@ -141,7 +141,7 @@ def test_chunks_are_several_correlation_times_long():
 
 def problem_of(sizes):
     edges = np.cumsum([0, *sizes])
-    slices = [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    slices = [slice(a, b) for a, b in pairwise(edges)]
     shots = SimpleNamespace(
         n_windows=len(sizes), time=np.zeros(edges[-1]), slices=slices
     )
