@@ -92,14 +92,15 @@ def spring_columns(count: int, seed: int) -> Mapping[str, Array]:
 
 
 def tanks_columns(count: int, seed: int) -> Mapping[str, Array]:
-    """Return two tanks' recording: an outlet by the root of the pressure is hidden."""
-    upper, lower, pipe, orifice = 2.4e-6, 1.7e-6, 1.5e7, 2.2e-6
+    """Return two tanks' recording: that the upper one runs over is what is hidden."""
+    upper, lower, pipe, outlet = 2.4e-6, 1.7e-6, 1.5e7, 1.2e7
+    edge, over = 3.2e3, 4e-7
 
     def rates(state: Array, pump: float) -> Array:
-        pressures = np.maximum(state, 0.0)
-        between = (pressures[0] - pressures[1]) / pipe
-        out = orifice * np.sqrt(pressures[1])
-        return np.array([(pump - between) / upper, (between - out) / lower])
+        between = (state[0] - state[1]) / pipe
+        spilt = over * max(state[0] - edge, 0.0)
+        into = pump - between - spilt
+        return np.array([into / upper, (between - state[1] / outlet) / lower])
 
     generator = np.random.default_rng(seed)
     drive = Drive(step=1.0, held=(20, 120), low=2e-5, high=2e-4)

@@ -76,8 +76,8 @@ STARTS = {
                 "time": "t", "pump": "Q", "upper_level": "p1", "lower_level": "p2",
             },
             check=("pump", "lower_level", 1e7),
-            place="lower",
-            hidden="an outlet whose flow grows with the root of the pressure",
+            place="upper",
+            hidden="water that runs over its edge from 3.2 kPa on",
             columns=tanks_columns,
         ),
     )
