@@ -1,15 +1,10 @@
-"""``python -m benchmarks.concealed make | run | score | others | table``."""
+"""``python -m benchmarks.concealed make | run | score | reduced | others | table``."""
 
 import argparse
 import json
-import math
+import tempfile
 import time
 from pathlib import Path
-
-REDUCED = 10
-"""Cases of the reduced run at most."""
-REDUCED_SECONDS = 290.0
-"""Time for all of them."""
 
 
 def main() -> None:
@@ -31,7 +26,7 @@ def main() -> None:
     run.add_argument("--limit", type=float, default=300.0, help="seconds per case")
     run.add_argument("--only", nargs="*", default=(), help="words in case names")
     run.add_argument("--most", type=int)
-    run.add_argument("--reduced", action="store_true")
+    run.add_argument("--seconds", type=float, default=float("inf"), help="for all")
     run.add_argument("--again", action="store_true", help="also what has failed")
     run.set_defaults(work=_run)
     score = commands.add_parser("score", help="compare the answers with the truth")
@@ -39,6 +34,9 @@ def main() -> None:
     score.add_argument("--truth", type=Path, required=True)
     score.add_argument("--out", type=Path, required=True)
     score.set_defaults(work=_score)
+    reduced = commands.add_parser("reduced", help="nine small cases with a floor")
+    reduced.add_argument("--folder", type=Path, help="kept; another run goes on there")
+    reduced.set_defaults(work=_reduced)
     others = commands.add_parser("others", help="other methods on the same cases")
     others.add_argument("--cases", type=Path, required=True)
     others.add_argument("--truth", type=Path, required=True)
@@ -75,9 +73,9 @@ def _run(chosen: argparse.Namespace) -> None:
         workers=chosen.workers,
         limit=chosen.limit,
         names=tuple(chosen.only),
-        most=REDUCED if chosen.reduced else chosen.most,
+        most=chosen.most,
         again=chosen.again,
-        budget=REDUCED_SECONDS if chosen.reduced else math.inf,
+        budget=chosen.seconds,
     )
 
 
@@ -87,6 +85,15 @@ def _score(chosen: argparse.Namespace) -> None:
 
     scored = score(chosen.answers, chosen.truth)
     print(markdown(scored, write_board(scored, chosen.out)))
+
+
+def _reduced(chosen: argparse.Namespace) -> None:
+    from benchmarks.concealed.reduced import run_reduced  # noqa: PLC0415
+
+    with tempfile.TemporaryDirectory() as temporary:
+        found = run_reduced(chosen.folder or Path(temporary))
+    print(found)
+    raise SystemExit(0 if found.held else 1)
 
 
 def _others(chosen: argparse.Namespace) -> None:

@@ -33,10 +33,10 @@ _PATH = types.Tuple((_INTEGERS, _MATRIX))
 _SENSORS = types.Tuple((_INTEGERS, _MATRIX, _VECTOR))
 _CONTROL = types.Tuple(
     (
-        types.float64,
-        types.float64,
-        types.int64,
-        types.float64,
+        _VECTOR,
+        _VECTOR,
+        _INTEGERS,
+        _VECTOR,
         types.float64,
         types.float64,
     )
@@ -50,7 +50,7 @@ MARCH = types.Tuple((_MATRIX, _MATRIX, _MATRIX, _MATRIX))(
     _SENSORS,
     _CONTROL,
     _MATRIX,
-    _VECTOR,
+    _MATRIX,
     _MATRIX,
     types.int64[:, ::1],
     types.float64,

@@ -65,7 +65,10 @@ class Sensor:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Loop:
-    """A controller in the loop: ``feed + kp (reference - y) - kd dy/dt``, limited."""
+    """A controller in the loop: ``feed + kp (reference - y) - kd dy/dt``, limited.
+
+    ``channel`` is the output that it reads.
+    """
 
     kp: float
     kd: float
@@ -90,7 +93,8 @@ class Drive:
     loop
         The controller, or None for an open loop.
     others
-        Size and offset of every further input.
+        Size and offset of every further input, or of its reference where a loop of
+        ``other_loops`` drives it.
     """
 
     size: float
@@ -100,6 +104,12 @@ class Drive:
     resolution: float = 0.0
     loop: Loop | None = None
     others: tuple[tuple[float, float], ...] = ()
+    other_loops: tuple[Loop, ...] = ()
+
+    @property
+    def loops(self) -> tuple[Loop, ...]:
+        """The controllers of the first inputs, one after the other."""
+        return () if self.loop is None else (self.loop, *self.other_loops)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

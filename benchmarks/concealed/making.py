@@ -9,10 +9,12 @@ import numpy as np
 
 from benchmarks.concealed.accepted import OUTSIDE, accepted
 from benchmarks.concealed.cases import Case
+from benchmarks.concealed.curves import true_curve
 from benchmarks.concealed.effects import Effect, law_of
 from benchmarks.concealed.excitation import HELD_OUT, TRAINING
+from benchmarks.concealed.fitted import parameter_noise
 from benchmarks.concealed.machine import Array, Machine
-from benchmarks.concealed.recording import Plan, Run, plan, scales_of
+from benchmarks.concealed.recording import Plan, Run, plan, replayed, scales_of
 from benchmarks.concealed.strength import (
     Absorbed,
     Truth,
@@ -103,7 +105,8 @@ def _sealed(
         absorbed.strength([effect]).tolist() if absorbed else [] for effect in effects
     ]
     together = absorbed.strength(effects).tolist() if absorbed else []
-    ideal, _ = _floor(truth, effects, *runs["held_out"])
+    ideal = _floor(truth, effects, *runs["held_out"])
+    curve = true_curve(truth, effects, absorbed) if absorbed else None
     silent = any(effect.site.silent for effect in effects)
     outside = any(law_of(effect.site) in OUTSIDE for effect in effects)
     return {
@@ -123,6 +126,13 @@ def _sealed(
         "held_out_excitation": kind,
         "values": truth.values,
         "achievable_held_out_rmse": ideal,
+        "fitted_held_out_rmse": (
+            _fitted_floor(
+                truth, effects, *runs["held_out"], np.array(list(ideal.values()))
+            )
+            if effects
+            else ideal
+        ),
         "effects": [
             {
                 "physics": effect.site.word,
@@ -133,6 +143,7 @@ def _sealed(
                 "outside": law_of(effect.site) in OUTSIDE,
                 "effect_over_noise": max(strength),
                 "accepted": [asdict(one) for one in accepted(machine, effect.site)],
+                "curve": curve,
             }
             for effect, strength in zip(effects, alone, strict=True)
         ],
@@ -141,16 +152,26 @@ def _sealed(
 
 def _floor(
     truth: Truth, effects: Sequence[Effect], plan: Plan, run: Run
-) -> tuple[dict[str, float], Array]:
+) -> dict[str, float]:
     """Return the rms error of the true machine on a recording: noise and rounding."""
-    from benchmarks.concealed.recording import replayed  # noqa: PLC0415
-
     true = truth.run(replayed(plan, run.commands), effects, exact=True)
     error = run.readings - true.readings
     level = np.sqrt(np.mean(error**2, axis=0))
     level = np.where(np.isfinite(level), level, noise_levels(truth.machine))
-    names = [sensor.name for sensor in truth.machine.sensors]
-    return dict(zip(names, map(float, level), strict=True)), error
+    return _by_output(truth.machine, level)
+
+
+def _by_output(machine: Machine, values: Array) -> dict[str, float]:
+    names = [sensor.name for sensor in machine.sensors]
+    return dict(zip(names, map(float, values), strict=True))
+
+
+def _fitted_floor(
+    truth: Truth, effects: Sequence[Effect], plan: Plan, run: Run, ideal: Array
+) -> dict[str, float]:
+    """Return the same for the true structure with fitted numbers."""
+    added = parameter_noise(truth, effects, plan, run.commands)
+    return _by_output(truth.machine, np.hypot(ideal, added))
 
 
 def _nominal(

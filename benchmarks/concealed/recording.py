@@ -46,7 +46,7 @@ class Plan:
     feed
         (N, nu) commands in an open loop, what is added to the controller in a closed.
     reference
-        (N,) what a closed loop tracks.
+        (N, nu) what closed loops track.
     noise
         (N, ny) of the sensors; `early` the small steps of jitter.
     """
@@ -82,11 +82,19 @@ def plan(machine: Machine, kind: str, seed: int, nuisance: Nuisance) -> Plan:
     wave = excitation(kind, time, drive.band, random)
     signal = drive.offset + drive.size * wave
     feed = np.zeros((N, len(machine.inputs)))
+    reference = np.zeros_like(feed)
+    reference[:, 0] = signal
     if drive.loop is None:
-        feed[:, 0] = np.clip(signal, drive.offset - drive.limit, drive.limit)
+        feed[:, 0] = drive.offset + np.clip(
+            signal - drive.offset, -drive.limit, drive.limit
+        )
     slow = (drive.band[0] / 2.0, drive.band[1] / 3.0)
     for j, (size, offset) in enumerate(drive.others, start=1):
-        feed[:, j] = offset + size * excitation("multisine", time, slow, random)
+        if j < len(drive.loops):
+            wave = excitation(kind, time, drive.band, random)
+            reference[:, j] = offset + size * wave
+        else:
+            feed[:, j] = offset + size * excitation("multisine", time, slow, random)
     white = random.normal(size=(N, len(machine.sensors)))
     noise = _coloured(white, nuisance.colour) * nuisance.noise
     wild = random.random(white.shape) < nuisance.outliers
@@ -96,7 +104,7 @@ def plan(machine: Machine, kind: str, seed: int, nuisance: Nuisance) -> Plan:
     return Plan(
         time=time,
         feed=feed,
-        reference=signal,
+        reference=reference,
         noise=noise * stds,
         early=jitter.astype(np.int64),
         closed=drive.loop is not None,
@@ -172,7 +180,7 @@ def simulate(
     if watch:
         hanging += [(place, laws.VISCOUS, (0.0,)) for place in machine.places]
     steps = np.array([0.0 if exact else sensor.step for sensor in machine.sensors])
-    loop = machine.drive.loop if plan.closed else None
+    loops = machine.drive.loops if plan.closed else ()
     given = start or {}
     z = np.array(machine.start) if machine.start else np.zeros(machine.stores)
     state = (
@@ -190,12 +198,12 @@ def simulate(
         inputs,
         (*outputs, steps),
         (
-            loop.kp if loop else 0.0,
-            loop.kd if loop else 0.0,
-            loop.channel if loop else 0,
+            np.array([loop.kp for loop in loops]),
+            np.array([loop.kd for loop in loops]),
+            np.array([loop.channel for loop in loops], dtype=np.int64),
+            np.array([loop.derivative_time for loop in loops]),
             machine.drive.limit,
             machine.drive.resolution if plan.closed else 0.0,
-            loop.derivative_time if loop else 1.0,
         ),
         plan.feed,
         plan.reference,

@@ -16,6 +16,24 @@ from pathlib import Path
 
 PROGRAM = "from bondgraph.cli import main; main()"
 
+ONE_PROCESS = """
+import contextlib, json, os, pathlib, sys, time
+from bondgraph.cli import main
+for job in json.load(sys.stdin):
+    os.chdir(job["folder"])
+    begin = time.perf_counter()
+    code = 0
+    try:
+        with contextlib.redirect_stdout(sys.stderr):
+            main(job["arguments"])
+    except SystemExit as ended:
+        code = ended.code or 0
+    status = "answered" if code == 0 else "refused" if code == 2 else "failed"
+    record = {"status": status, "seconds": time.perf_counter() - begin, "stderr": ""}
+    pathlib.Path(job["record"]).write_text(json.dumps(record), "utf-8")
+"""
+"""The same command line for one case after the other, started once."""
+
 
 def run_all(
     public: Path,
@@ -62,6 +80,41 @@ def run_all(
             print(line, flush=True)
 
 
+def run_in_one_process(public: Path, answers: Path) -> None:
+    """Run every case without an answer in one process, which saves the starts."""
+    answers.mkdir(parents=True, exist_ok=True)
+    jobs = [
+        {
+            "folder": str(case.resolve()),
+            "arguments": [*_arguments(case, answers), "--workers", "1"],
+            "record": str((answers / f"{case.name}.run.json").resolve()),
+        }
+        for case in sorted(path.parent for path in public.glob("*/case.json"))
+        if not (answers / f"{case.name}.run.json").exists()
+    ]
+    subprocess.run(
+        [sys.executable, "-c", ONE_PROCESS],
+        input=json.dumps(jobs),
+        text=True,
+        env={**os.environ, "OMP_NUM_THREADS": "1"},
+        capture_output=True,
+        check=True,
+    )
+
+
+def _arguments(case: Path, answers: Path) -> list[str]:
+    """Return the command that a user would type in a case's folder."""
+    told = json.loads((case / "case.json").read_text("utf-8"))
+    return [
+        "diagnose",
+        told["model"],
+        *told["train"],
+        *(word for name in told["held_out"] for word in ("--held-out", name)),
+        *told["options"],
+        *("--json", str((answers / f"{case.name}.json").resolve())),
+    ]
+
+
 def _done(record: Path, again: bool) -> bool:
     """Return whether a case needs no run."""
     if not record.exists():
@@ -72,16 +125,8 @@ def _done(record: Path, again: bool) -> bool:
 
 def _run(case: Path, answers: Path, limit: float, workers: int, left: float) -> str:
     """Run one case, write its answer and how it went, and return a line about it."""
-    told = json.loads((case / "case.json").read_text("utf-8"))
-    answer = (answers / f"{case.name}.json").resolve()
-    command = [
-        *(sys.executable, "-c", PROGRAM, "diagnose"),
-        told["model"],
-        *told["train"],
-        *(word for name in told["held_out"] for word in ("--held-out", name)),
-        *told["options"],
-        *("--json", str(answer)),
-    ]
+    answer = answers / f"{case.name}.json"
+    command = [sys.executable, "-c", PROGRAM, *_arguments(case, answers)]
     threads = str(max(1, (os.cpu_count() or 1) // workers))
     environment = {**os.environ, "NUMBA_NUM_THREADS": threads, "OMP_NUM_THREADS": "1"}
     begin, status, words = time.perf_counter(), "answered", ""

@@ -169,8 +169,11 @@ def march(  # noqa: PLR0912, PLR0915, C901 - the time loop of the whole simulati
     inputs, sensors
         (kind, numbers) per input and per output: what sits in the signal path.
     control
-        (kp, kd, channel, limit, step of the command, derivative time); the first input
-        is ``feed + kp (reference - y) - kd dy/dt`` of that channel.
+        (kp, kd, channel, derivative time) per controlled input, then limit and step of
+        every command; a controlled input is ``feed + kp (reference - y) - kd dy/dt`` of
+        its channel.
+    reference
+        (N, nu), of which as many columns are read as there are controllers.
     noise
         (N, ny) added before quantisation; the last row of `sensors` numbers has the
         step.
@@ -181,7 +184,7 @@ def march(  # noqa: PLR0912, PLR0915, C901 - the time loop of the whole simulati
     kind, row, cell, a, _, memory = slots
     in_kind, in_a = inputs
     out_kind, out_a, out_step = sensors
-    kp, kd, channel, limit, step, tau = control
+    kp, kd, channel, tau, limit, step = control
     N, nu, ny, n = feed.shape[0], feed.shape[1], noise.shape[1], q.size
     h = dt / fine
     commands, given = np.zeros((nu, N)), np.zeros((N, ny))
@@ -195,7 +198,7 @@ def march(  # noqa: PLR0912, PLR0915, C901 - the time loop of the whole simulati
     v_new, v_mid, F = np.zeros(n), np.zeros(n), np.zeros(n)
     z_new, z_mid, g = np.zeros(z.size), np.zeros(z.size), np.zeros(z.size)
     load, stored, M = np.zeros(8), np.zeros(max(z.size, 1)), np.zeros((n, n))
-    slope, before = 0.0, 0.0
+    slope, before = np.zeros(kp.size), np.zeros(kp.size)
     for k in range(N):
         readings(q, v, z, u, p, acceleration, y)
         if k == 0:
@@ -219,17 +222,17 @@ def march(  # noqa: PLR0912, PLR0915, C901 - the time loop of the whole simulati
         states[k, :n], states[k, n : 2 * n], states[k, 2 * n :] = q, v, z
         for j in range(nu):
             commands[j, k] = feed[k, j]
-        if kp != 0.0 or kd != 0.0:
-            sensed = given[k, channel]
+        for j in range(kp.size):
+            sensed = given[k, channel[j]]
             if k == 0:
-                before = sensed
-            share = dt / (dt + tau)
-            slope += share * ((sensed - before) / dt - slope)
-            before = sensed
-            commands[0, k] += kp * (reference[k] - sensed) - kd * slope
-            commands[0, k] = min(max(commands[0, k], -limit), limit)
-        if step > 0.0:
-            commands[0, k] = np.round(commands[0, k] / step) * step
+                before[j] = sensed
+            share = dt / (dt + tau[j])
+            slope[j] += share * ((sensed - before[j]) / dt - slope[j])
+            before[j] = sensed
+            commands[j, k] += kp[j] * (reference[k, j] - sensed) - kd[j] * slope[j]
+            commands[j, k] = min(max(commands[j, k], -limit), limit)
+            if step > 0.0:
+                commands[j, k] = np.round(commands[j, k] / step) * step
         if k == 0:
             for j in range(nu):
                 in_state[j] = commands[j, 0]

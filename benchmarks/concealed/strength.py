@@ -65,9 +65,9 @@ def base_readings(
     given = np.full_like(run.readings, np.nan)
     values = {**truth.values, **change}
     for first, last in edges_of(machine, len(run.time)):
-        state = _base_state(machine, run.states[first])
+        state = base_state(machine, run.states[first])
         if bump >= 0:
-            state[bump] += _state_steps(machine, run)[bump]
+            state[bump] += state_steps(machine, run)[bump]
         piece = replace(
             replayed(plan, run.commands),
             feed=run.commands[first:last],
@@ -82,7 +82,7 @@ def base_readings(
     return given
 
 
-def _base_state(machine: Machine, state: Array) -> Array:
+def base_state(machine: Machine, state: Array) -> Array:
     """Return the state of the base machine; one with more coordinates has more."""
     n, extra = machine.coordinates, (state.size - machine.stores) // 2
     if extra == n:
@@ -92,8 +92,8 @@ def _base_state(machine: Machine, state: Array) -> Array:
     return np.concatenate((q[kept], v[kept], z))
 
 
-def _state_steps(machine: Machine, run: Run) -> Array:
-    states = np.array([_base_state(machine, state) for state in run.states])
+def state_steps(machine: Machine, run: Run) -> Array:
+    states = np.array([base_state(machine, state) for state in run.states])
     return 1e-3 * (states.std(axis=0) + 1e-9)
 
 
@@ -142,9 +142,9 @@ class Absorbed:
                 columns = (by_parameter / sigma)[:, first:last]
                 own = (by_state / sigma)[:, first:last].reshape(len(by_state), -1)
                 columns = columns.reshape(len(machine.free), -1).T
-                states.append(_orthonormal(own.T))
+                states.append(orthonormal(own.T))
                 blocks.append(columns - states[-1] @ (states[-1].T @ columns))
-        return cls(truth, tuple(states), _orthonormal(np.concatenate(blocks)))
+        return cls(truth, tuple(states), orthonormal(np.concatenate(blocks)))
 
     def strength(self, effects: Sequence[Effect]) -> Array:
         """Return per output the rms that the best base model leaves, over the noise."""
@@ -165,7 +165,7 @@ class Absorbed:
         return np.sqrt(np.mean(remaining.reshape(-1, sigma.size) ** 2, axis=0))
 
 
-def _orthonormal(columns: Array) -> Array:
+def orthonormal(columns: Array) -> Array:
     """Return an orthonormal basis of the columns' span."""
     sizes = np.linalg.norm(columns, axis=0)
     scaled = columns / np.where(sizes > 0.0, sizes, 1.0)

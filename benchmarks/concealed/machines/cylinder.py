@@ -1,5 +1,7 @@
 """A hydraulic cylinder against a spring: flow in, rod position and pressure out."""
 
+import math
+
 from benchmarks.concealed.compiling import FORCES, MASSES, READINGS, compiled
 from benchmarks.concealed.machine import Drive, Machine, Number, Place, Sensor, Site
 
@@ -22,10 +24,16 @@ def cylinder() -> BondGraph:
 
 @compiled(FORCES)
 def forces(q, v, z, u, p, acceleration, F, g, load, stored):
-    """Pressure on the piston against rod and spring; flows of the chamber."""
+    """Pressure on the piston against rod and spring; flows of the chamber.
+
+    The leak turns from a linear to a root law with a share.
+    """
     pressure = z[0] / p[0]
     F[0] = p[5] * pressure - p[3] * v[0] - q[0] / p[4]
-    g[0] = u[0] - pressure / p[1] - p[5] * v[0]
+    leak = (1.0 - p[6]) * pressure / p[1]
+    if p[6] > 0.0:
+        leak += p[6] * math.copysign(math.sqrt(abs(pressure) * 4e5), pressure) / p[1]
+    g[0] = u[0] - leak - p[5] * v[0]
     stored[0] = pressure
     load[0] = p[5] * pressure
 
@@ -57,6 +65,7 @@ CYLINDER = Machine(
         Number(name="b_rod", value=400.0, unit="N*s/m", free=True),
         Number(name="c_spring", value=5e-5, unit="m/N", free=True),
         Number(name="area", value=1e-3, unit="m^2"),
+        Number(name="leak_root", value=0.0, hidden=True),
     ),
     places=(
         Place(name="rod", row=(1.0,), gain=3e6),
@@ -75,6 +84,7 @@ CYLINDER = Machine(
     aliases={
         "supply": ("chamber",),
         "chamber": ("C_oil", "R_leak"),
+        "R_leak": ("chamber",),
         "rod": ("mass", "b_rod", "c_spring", "area"),
     },
     linear=True,
@@ -87,6 +97,8 @@ CYLINDER = Machine(
         Site(word="quadratic_drag", place="rod"),
         Site(word="constant_bias", place="rod"),
         Site(word="end_stop", place="rod", largest=0.3),
+        Site(word="square_root_orifice", place="R_leak", largest=1.0,
+             sets=lambda a, s: {"leak_root": a}),
         Site(word="dead_zone", place="supply"),
         Site(word="saturation", place="supply", largest=0.7),
         Site(word="delay", place="supply"),
@@ -97,5 +109,6 @@ CYLINDER = Machine(
         Site(word="lag", place="pressure"),
         Site(word="leak", place="chamber", silent=True),
         Site(word="tabulated_law", place="rod"),
+        Site(word="speed_dependent_gain", place="supply"),
     ),
-)
+)  # fmt: skip

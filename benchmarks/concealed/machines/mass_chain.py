@@ -1,4 +1,10 @@
-"""Three masses and springs in a row from a wall: force on the first mass."""
+"""Three masses and springs in a row from a wall: force on the first mass.
+
+In the variant ``series`` the first link has another spring behind it, which lets its
+damper go in no time; the small steps are smaller there.
+"""
+
+from dataclasses import replace
 
 from benchmarks.concealed.compiling import FORCES, MASSES, READINGS, compiled
 from benchmarks.concealed.machine import Drive, Machine, Number, Place, Sensor, Site
@@ -32,9 +38,16 @@ def chain() -> BondGraph:
 
 @compiled(FORCES)
 def forces(q, v, z, u, p, acceleration, F, g, load, stored):
-    """Springs and dampers; the last spring may have play."""
+    """Springs and dampers; the last spring may have play.
+
+    The first link may have a spring in series; the store is the stretch of the rest.
+    """
     first = q[0] / p[3] + p[6] * v[0]
     second = (q[0] - q[1]) / p[4] + p[7] * (v[0] - v[1])
+    g[0] = 0.0
+    if p[10] > 0.0:
+        second = (q[0] - q[1] - z[0]) / p[10]
+        g[0] = (second - z[0] / p[4]) / p[7]
     stretch = q[1] - q[2]
     free = min(max(stretch, -p[9]), p[9])
     third = (stretch - free) / p[5]
@@ -60,13 +73,17 @@ def readings(q, v, z, u, p, acceleration, y):
     y[0], y[1] = q[0], q[2]
 
 
-MASS_CHAIN = Machine(
+STIFFEST = 0.02
+"""Of the spring in series, as a share of the link's: its steps would be too long."""
+
+_PLAIN = Machine(
     name="mass_chain",
     domains=("translation",),
     forces=forces,
     masses=masses,
     readings=readings,
     coordinates=3,
+    stores=1,
     numbers=(
         Number(name="m1", value=1.0, unit="kg", free=True),
         Number(name="m2", value=1.5, unit="kg", free=True),
@@ -78,6 +95,7 @@ MASS_CHAIN = Machine(
         Number(name="d2", value=1.0, unit="N*s/m", free=True),
         Number(name="d3", value=1.0, unit="N*s/m", free=True),
         Number(name="half_gap", value=0.0, hidden=True),
+        Number(name="series", value=0.0, hidden=True),
     ),
     places=(
         Place(name="mass1", row=(1.0, 0.0, 0.0)),
@@ -102,6 +120,7 @@ MASS_CHAIN = Machine(
         "mass2": ("m2",),
         "mass3": ("m3",),
         "link12": ("between12", "c2", "d2"),
+        "between12": ("link12", "mass1", "mass2"),
         "link23": ("between23", "c3", "d3"),
     },
     linear=True,
@@ -118,6 +137,9 @@ MASS_CHAIN = Machine(
         Site(word="backlash", place="link23", largest=0.5,
              sets=lambda a, s: {"half_gap": a * s["link23.reach"]}),
         Site(word="hysteresis", place="link12"),
+        Site(word="added_compliance", place="between12", law="compliance",
+             variant="series", largest=3.0,
+             sets=lambda a, s: {"series": max(a, STIFFEST) / 400.0}),
         Site(word="end_stop", place="mass3", largest=0.3),
         Site(word="constant_bias", place="mass3"),
         Site(word="delay", place="force"),
@@ -129,3 +151,5 @@ MASS_CHAIN = Machine(
         Site(word="tabulated_law", place="mass2"),
     ),
 )  # fmt: skip
+
+MASS_CHAIN = replace(_PLAIN, variants={"series": replace(_PLAIN, fine=80)})

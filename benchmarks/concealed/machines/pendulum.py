@@ -80,6 +80,12 @@ PENDULUM = Machine(
         Site(word="lag", place="torque"),
         Site(word="sensor_bias", place="angle"),
         Site(word="sensor_nonlinearity", place="angle"),
+        Site(
+            word="sensor_nonlinearity",
+            place="angle",
+            law="sensor_clipping",
+            largest=0.5,
+        ),
         Site(word="lag", place="angle"),
         Site(word="viscous_friction", place="pivot", silent=True),
         Site(word="tabulated_law", place="pivot"),

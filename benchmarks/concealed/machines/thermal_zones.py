@@ -98,5 +98,6 @@ THERMAL_ZONES = Machine(
         Site(word="sensor_nonlinearity", place="T_1"),
         Site(word="leak", place="zone2", silent=True),
         Site(word="tabulated_law", place="zone1"),
+        Site(word="unknown_relation", place="T_2", law="sensor_drift"),
     ),
 )  # fmt: skip

@@ -1,6 +1,10 @@
-"""Two open tanks one after the other: a pump fills the upper, both levels are read."""
+"""Two open tanks one after the other: a pump fills the upper, both levels are read.
+
+In the variant ``inert`` what flows in the pipe has inertia.
+"""
 
 import math
+from dataclasses import replace
 
 from benchmarks.concealed.compiling import FORCES, MASSES, READINGS, compiled
 from benchmarks.concealed.machine import Drive, Machine, Number, Place, Sensor, Site
@@ -51,7 +55,23 @@ def readings(q, v, z, u, p, acceleration, y):
     y[0], y[1] = z[0] / p[0], z[1] / p[2]
 
 
-TWO_TANKS = Machine(
+@compiled(FORCES)
+def inert_forces(q, v, z, u, p, acceleration, F, g, load, stored):
+    """Return the flows where that of the pipe is a coordinate."""
+    upper, lower = z[0] / p[0], z[1] / p[2]
+    F[0] = upper - lower - p[1] * v[0]
+    g[0] = u[0] - v[0]
+    g[1] = v[0] - lower / p[3]
+    stored[0], stored[1] = upper, lower
+
+
+@compiled(MASSES)
+def inert_masses(q, v, p, M):
+    """Return the inertance of the pipe."""
+    M[0, 0] = p[6]
+
+
+_STILL = Machine(
     name="two_tanks",
     domains=("hydraulic",),
     forces=forces,
@@ -67,6 +87,7 @@ TWO_TANKS = Machine(
         Number(name="R_outlet", value=6e7, unit="Pa*s/m^3", free=True),
         Number(name="pipe_root", value=0.0, hidden=True),
         Number(name="outlet_root", value=0.0, hidden=True),
+        Number(name="inertance", value=1.0, hidden=True),
     ),
     places=(
         Place(name="upper", cell=0),
@@ -88,6 +109,7 @@ TWO_TANKS = Machine(
         "lower": ("C_lower", "R_outlet"),
         "R_outlet": ("lower",),
         "R_pipe": ("pipe",),
+        "pipe": ("R_pipe",),
     },
     linear=True,
     sites=(
@@ -99,6 +121,8 @@ TWO_TANKS = Machine(
         Site(word="square_root_orifice", place="R_pipe", largest=1.0,
              sets=lambda a, s: {"pipe_root": a}),
         Site(word="square_root_orifice", place="upper"),
+        Site(word="added_inertia", place="pipe", variant="inert", largest=20.0,
+             sets=lambda a, s: {"inertance": a * 4e8}),
         Site(word="constant_bias", place="upper"),
         Site(word="delay", place="pump", largest=2.0),
         Site(word="lag", place="pump", largest=2.0),
@@ -112,3 +136,11 @@ TWO_TANKS = Machine(
         Site(word="tabulated_law", place="lower"),
     ),
 )  # fmt: skip
+
+INERT = replace(
+    _STILL,
+    forces=inert_forces,
+    masses=inert_masses,
+    coordinates=1,
+)
+TWO_TANKS = replace(_STILL, variants={"inert": INERT})
