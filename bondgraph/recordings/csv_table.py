@@ -18,7 +18,14 @@ from bondgraph.recordings.channel import FloatArray
 from bondgraph.recordings.files import digest
 from bondgraph.recordings.repairs import AbstractTable
 
-UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
+MARKS = (
+    (b"\xff\xfe\x00\x00", "utf-32"),
+    (b"\x00\x00\xfe\xff", "utf-32"),
+    (b"\xff\xfe", "utf-16"),
+    (b"\xfe\xff", "utf-16"),
+)
+"""What a file begins with that says how it is encoded."""
+
 LONGEST_CELL_SHOWN = 40
 
 BLOCK = 1 << 24
@@ -251,12 +258,16 @@ def _encoding(path: Path, encoding: str) -> str:
             ) from error
         return encoding
     with path.open("rb") as file:
-        mark = file.read(2)
-    if mark in UTF16_MARKS:
+        begin = file.read(64)
+    found = next((name for mark, name in MARKS if begin.startswith(mark)), None)
+    if found is None and begin.count(b"\x00") > len(begin) // 3:
+        # Latin letters in two bytes: the zero comes first or second.
+        found = "utf-16-be" if begin[:1] == b"\x00" else "utf-16-le"
+    if found is not None:
         raise RecordingError(
-            f"{str(path)!r} is written in UTF-16.",
+            f"{str(path)!r} is not UTF-8 text; it looks like {found.upper()}.",
             (str(path),),
-            'Give encoding="utf-16", or save it as UTF-8.',
+            f'Give encoding="{found}", or save it as UTF-8.',
         )
     return "utf-8-sig"
 

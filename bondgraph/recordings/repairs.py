@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 from bondgraph.errors import RecordingError
 from bondgraph.recordings.channel import FloatArray
 
+LARGEST = 1e100
+"""No reading in any unit is beyond it, and its square is a number all the same."""
+
 Gaps = Literal["refuse", "drop", "keep"]
 Order = Literal["refuse", "sort"]
 Repeats = Literal["refuse", "first", "mean"]
@@ -99,10 +102,10 @@ def without_gaps(
     for name, column in zip(names, samples.columns, strict=True):
         if gaps == "keep" and name != clock:
             continue
-        bad = np.flatnonzero(~np.isfinite(column))
+        bad = np.flatnonzero(~_measurable(column))
         if bad.size and gaps != "drop":
             raise RecordingError(
-                f"Channel {name!r} of {table.source!r} is not a finite number in "
+                f"Channel {name!r} of {table.source!r} is {_fault(column[bad])} in "
                 f"{bad.size} of {column.size} samples, first {column[bad[0]]} at "
                 f"{samples.where(int(bad[0]))}.",
                 (table.source, name),
@@ -116,11 +119,23 @@ def without_gaps(
     return samples.take(keep, f"{dropped} samples with missing values were dropped.")
 
 
+def _measurable(column: FloatArray) -> NDArray[np.bool_]:
+    """Return which numbers can be readings; squares of what is not overflow."""
+    good: NDArray[np.bool_] = np.abs(column) < LARGEST
+    return good
+
+
+def _fault(values: FloatArray) -> str:
+    if np.isfinite(values).all():
+        return f"beyond {LARGEST:g}"
+    return "not a finite number"
+
+
 def _with_gaps(samples: Samples, names: Sequence[str], clock: str | None) -> Samples:
     """Return the samples with NaN for what is missing, and a note for each channel."""
     columns, notes = [], []
     for name, column in zip(names, samples.columns, strict=True):
-        missing = ~np.isfinite(column)
+        missing = ~_measurable(column)
         if name != clock and missing.any():
             column = np.where(missing, np.nan, column)  # noqa: PLW2901
             notes.append(
