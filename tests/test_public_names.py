@@ -5,13 +5,10 @@ import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 import bondgraph
-from bondgraph.structure.builder import BondGraph
-from bondgraph.structure.elements import I, Se
 
 SLOW = ("numba", "control", "matplotlib", "pandas", "pint", "sympy", "scipy", "rich")
 
@@ -48,18 +45,3 @@ def test_importing_loads_nothing_slow(module):
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     assert not set(SLOW) & set(done.stdout.split())
-
-
-def test_a_notebook_shows_graphs_as_pictures_with_their_strokes():
-    shown = {}
-    html = SimpleNamespace(for_type=shown.__setitem__)
-    shell = SimpleNamespace(
-        display_formatter=SimpleNamespace(formatters={"text/html": html})
-    )
-    bondgraph.load_ipython_extension(shell)
-    graph = BondGraph("cart", domain="translation")
-    graph.one("carriage", Se("force"), I("mass"))
-    picture = shown[BondGraph](graph)
-    assert "<svg" in picture
-    assert "causal" in picture.split("</style>")[-1]
-    assert shown[type(graph.finish())](graph.finish()) == picture

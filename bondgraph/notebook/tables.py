@@ -1,6 +1,7 @@
 """Causality, parameters and fits as tables in a notebook."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import fields
 from html import escape
 
 from bondgraph.causality.records import CausalAssignment
@@ -12,7 +13,7 @@ from bondgraph.reporting.wording import (
     unit_words,
     with_deviation,
 )
-from bondgraph.structure.parameters import ParameterSet
+from bondgraph.structure.parameters import ParameterSet, Provenance
 
 LISTED = 40
 """Strokes that are shown; a large graph says how many there are."""
@@ -39,17 +40,25 @@ def causality_html(assignment: CausalAssignment) -> str:
 
 
 def parameters_html(parameters: ParameterSet) -> str:
-    """Return the parameters of a model: value, unit, bounds and how it is known."""
+    """Return the parameters of a model: value, unit, bounds, source."""
+    head = ("parameter", "value", "unit", "bounds", "source")
     rows = [
         (
             one.name,
             NOTHING if one.value is None else with_deviation(one.value, one.std),
             unit_words(one.unit),
             " to ".join(number_words(end) for end in one.bounds),
+            _source(one.source),
         )
         for one in parameters.members
     ]
-    return table(("parameter", "value", "unit", "bounds"), rows, numbers=(1,))
+    return table(head, rows, numbers=(1,))
+
+
+def _source(source: Provenance) -> str:
+    """Return how a value is known, in the words of the author."""
+    said = [str(getattr(source, field.name)) for field in fields(source)]
+    return ", ".join(filter(None, (type(source).__name__.lower(), *said)))
 
 
 def fit_html(result: FitResult) -> str:

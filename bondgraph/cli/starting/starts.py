@@ -107,7 +107,7 @@ def files_of(start: Start, name: str) -> dict[str, str]:
 
 def commands(start: Start) -> dict[str, str]:
     """Return the commands to type in a new folder, each with what it does."""
-    model, read = f"{start.name}.py", f"--reading {READING}"
+    model, read = f"{start.name}.py", f"--reading {READING} --hold zero"
     return {
         f"bondgraph derive {model}": "causality, equations, transfer functions",
         f"bondgraph draw {model} -o {start.name}.svg": "the bond graph as a picture",
@@ -172,7 +172,8 @@ Open `report.html` afterwards.
 
 To make it yours: record the inputs and outputs of your machine in a CSV with a header
 such as `{",".join(start.columns(1, 1))}`, draw it in `{start.name}.py`, and map the
-columns in `{READING}`. Move the machine in both directions, fast and slow, through the
+columns in `{READING}`. `--hold zero` says that the input keeps its value between two
+samples, as a converter's output does; leave it out where it does not. Move the machine in both directions, fast and slow, through the
 whole range; what no recording excites, no diagnosis can see.
 
 The recordings here come from a simulated machine. It has one thing that the model lacks
