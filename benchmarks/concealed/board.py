@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
 
+from benchmarks.concealed.accepted import WORDS
 from benchmarks.concealed.curves import WITHIN
 from benchmarks.concealed.scoring import CONFIDENTLY_WRONG, Outcome, Scored
 from benchmarks.concealed.shares import counts, quantile, share
@@ -98,6 +99,7 @@ def board(scored: Sequence[Scored]) -> dict[str, Any]:
             "sum": sum(seconds),
         },
         "confusion": confusion(full),
+        "accepted_words": {law: words for law, (words, _) in WORDS.items()},
         "by_machine": {
             name: _outcomes([s for s in scored if s.machine == name])
             for name in sorted({s.machine for s in scored})

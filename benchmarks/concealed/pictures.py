@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+SILENT = ("adequate", "cannot_tell", "unexplained", "unknown_relation", "none")
+"""What names no law: grey, where naming none is not right."""
 GREEN, RED, GREY, BLUE = "#1b7837", "#b2182b", "#777777", "#2166ac"
 
 
@@ -84,7 +86,7 @@ def _reliability(axes: Any, numbers: Mapping[str, Any]) -> None:
 
 
 def _confusion(axes: Any, numbers: Mapping[str, Any]) -> None:
-    """Draw the confusion matrix, what is never said left out."""
+    """Draw the confusion matrix: right words green, silence grey, others red."""
     table = numbers["confusion"]
     concealed = list(table)
     words = sorted({word for row in table.values() for word in row})
@@ -92,8 +94,9 @@ def _confusion(axes: Any, numbers: Mapping[str, Any]) -> None:
     for i, law in enumerate(concealed):
         for word, count in table[law].items():
             j, total = words.index(word), sum(table[law].values())
-            same = word == law
-            axes.add_patch(_square(j, i, count / total, GREEN if same else RED))
+            right = word in numbers["accepted_words"].get(law, (law,))
+            colour = GREEN if right else GREY if word in SILENT else RED
+            axes.add_patch(_square(j, i, count / total, colour))
             axes.text(j, i, str(count), ha="center", va="center", fontsize=7)
     axes.set_xticks(range(len(words)), [_plain(w) for w in words], rotation=90)
     axes.set_yticks(range(len(concealed)), [_plain(law) for law in concealed])
