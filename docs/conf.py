@@ -22,12 +22,14 @@ version = release = bondgraph.__version__
 language = "en"
 
 extensions = [
-    "myst_parser",
+    "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
 ]
-exclude_patterns = ["_build", "bookmaking", "**/.*", "cookbook/generated/sheet.html"]
-source_suffix = {".md": "markdown"}
+exclude_patterns = ["_build", "bookmaking", "**/.*", "**/generated/*.inc"]
+source_suffix = {".md": "myst-nb", ".ipynb": "myst-nb"}
+# Notebooks are shown with what they gave when they were last executed.
+nb_execution_mode = "off"
 
 myst_enable_extensions = ["attrs_inline", "deflist", "dollarmath"]
 myst_heading_anchors = 3
@@ -62,6 +64,7 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": ["theme-version"],
 }
+html_context = {"default_mode": "auto"}
 html_sidebars = {"index": [], "gallery": [], "glossary": []}
 
 
@@ -69,5 +72,5 @@ def setup(app):  # type: ignore[no-untyped-def]
     """Register the renderer of mathematics, and write the pages that are written."""
     mathml.register(app)
     app.connect("autodoc-process-docstring", reference.escape_bars)
-    app.connect("missing-reference", links.outside_the_site)
+    app.connect("doctree-read", links.name_files_outside)
     app.connect("config-inited", lambda app, config: writing.write_all(HERE))

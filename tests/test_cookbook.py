@@ -92,7 +92,7 @@ def test_the_curve_of_what_only_takes_power_lies_in_two_quadrants(name):
 
 def test_formulas_have_the_letters_of_the_field():
     written = formula(shown("ViscousFriction"), SCENES["ViscousFriction"])
-    assert written.block.splitlines()[1] == r"e &= f \mathrm{viscous}"
+    assert written.block.splitlines()[1] == r"e &= f \, \mathrm{viscous}"
     assert written.letters == {"f": "the velocity there"}
     memory = formula(shown("DahlHysteresis"), SCENES["DahlHysteresis"]).block
     assert r"\dot{z} &=" in memory

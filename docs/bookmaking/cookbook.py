@@ -21,18 +21,25 @@ def pages() -> dict[str, str]:
         if words is None:
             raise LookupError(f"Nothing is said of {type(physics).__name__}.")
         shown = play(physics, scene)
-        law = curve(shown, _labels(shown, scene))
+        law = curve(shown, _labels(shown, scene), cloud=scene.cloud)
         page = _page(physics, words, scene, shown, law)
         found[f"{slug(physics)}.md"] = "\n".join(page)
         pictures.append(
             f'<a href="generated/{slug(physics)}.html">'
             f"{law}<span>{words.title}</span></a>"
         )
-    sheet = "\n".join(pictures)
-    found["sheet.html"] = (
-        f'<nav class="sheet" aria-label="All laws">\n{sheet}\n</nav>\n'
-    )
+    found["sheet.inc"] = _sheet(pictures)
     return found
+
+
+def _sheet(pictures: list[str]) -> str:
+    """Return all pictures as links, and the pages in the order of the library."""
+    order = "\n".join(f"generated/{slug(physics)}" for physics in LIBRARY)
+    drawn = "\n".join(pictures)
+    return (
+        f'```{{raw}} html\n<nav class="sheet" aria-label="All laws">\n{drawn}\n</nav>\n'
+        f"```\n\n```{{toctree}}\n:hidden:\n\n{order}\n```\n"
+    )
 
 
 def slug(physics: AbstractPhysics) -> str:

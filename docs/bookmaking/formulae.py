@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from bondgraph.equations.latex_names import latex, latex_name
+from bondgraph.equations.latex_names import latex_name
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.signals import Signal, signals_in
 from bookmaking.scenes import Scene
@@ -46,7 +46,7 @@ def formula(shown: Play, scene: Scene) -> Formula:
         **remembered,
     }
     short = {old: sympy.Symbol(new, real=True) for old, new in named.items()}
-    law_side, *rates = (latex(_rounded(x.xreplace(short))) for x in parts)
+    law_side, *rates = (_latex(_rounded(x.xreplace(short))) for x in parts)
     law_side = scene.written or law_side
     left = scene.left or LETTERS[scene.up.removeprefix("-").partition("(")[0]]
     lines = [f"{left} &= {law_side}"]
@@ -61,9 +61,14 @@ def formula(shown: Play, scene: Scene) -> Formula:
         if signal not in remembered:
             letters[latex_name(letter)] = _meaning(signal, letter, shown)
     letters |= dict.fromkeys(memory, "a state that it brings")
-    return Formula(
-        block=f"\\begin{{aligned}}\n{body}\n\\end{{aligned}}", letters=letters
-    )
+    return Formula(block=f"\\begin{{align*}}\n{body}\n\\end{{align*}}", letters=letters)
+
+
+def _latex(expression: sympy.Expr) -> str:
+    """Return an expression with its names as the field writes them, apart by a gap."""
+    names = {symbol: latex_name(symbol.name) for symbol in expression.free_symbols}
+    text: str = sympy.latex(expression, symbol_names=names, mul_symbol=r" \, ")
+    return text
 
 
 def _rounded(expression: sympy.Expr) -> sympy.Expr:

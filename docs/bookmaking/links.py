@@ -4,25 +4,32 @@ from pathlib import Path
 from typing import Any
 
 from docutils import nodes
+from sphinx import addnodes
 
-ROOT = Path(__file__).resolve().parents[2]
+DOCS = Path(__file__).resolve().parents[1]
+ROOT = DOCS.parent
 
 
-def outside_the_site(
-    app: Any, environment: Any, node: Any, content: nodes.Element
-) -> nodes.Element | None:
-    """Say where such a file lies; leave every other missing target a warning."""
-    del app
-    target = node.get("reftarget", "")
-    here = Path(environment.doc2path(node["refdoc"])).parent
-    for suffix in ("", ".md"):
-        path = (here / f"{target}{suffix}").resolve()
-        inside = path.is_relative_to(ROOT) and not path.is_relative_to(ROOT / "docs")
-        if path.is_file() and inside:
-            said = nodes.inline()
-            said += content.deepcopy()
-            said += nodes.Text(" (in the repository: ")
-            said += nodes.literal(text=str(path.relative_to(ROOT)))
-            said += nodes.Text(")")
-            return said
-    return None
+def name_files_outside(app: Any, doctree: nodes.document) -> None:
+    """Turn a link to a file beside the documentation into words that say where it is.
+
+    The site is a folder of its own, so that there is nothing such a link could open.
+    A target that does not exist stays, and Sphinx warns of it.
+    """
+    here = Path(app.env.doc2path(app.env.docname)).parent
+    for link in list(doctree.findall(addnodes.pending_xref)):
+        target = link.get("reftarget", "")
+        for path in (here / target, here / f"{target}.md", Path(f"{target}.md")):
+            found = path.resolve()
+            if found.is_file() and not found.is_relative_to(DOCS):
+                link.replace_self(_said(link, found))
+                break
+
+
+def _said(link: addnodes.pending_xref, path: Path) -> nodes.inline:
+    said = nodes.inline()
+    said += [child.deepcopy() for child in link.children]
+    said += nodes.Text(" (in the repository: ")
+    said += nodes.literal(text=str(path.relative_to(ROOT)))
+    said += nodes.Text(")")
+    return said

@@ -43,6 +43,8 @@ class Scene:
         The letter of what the law gives, where it is not what is drawn upwards.
     written
         The law as LaTeX, where its expression is not to be read.
+    cloud
+        Whether the law is drawn as samples, because its curve would jump.
     """
 
     machine: Callable[[], FinishedGraph]
@@ -57,6 +59,7 @@ class Scene:
     labels: tuple[str, str] = ("", "")
     left: str = ""
     written: str = ""
+    cloud: bool = False
 
 
 def _wave(size: float, slow: float = 1.0, fast: float = 2.7) -> Drive:
@@ -151,6 +154,7 @@ SCENES: Mapping[str, Scene] = {
         },
         output="speed",
         across="effort(motor>gear)",
+        cloud=True,
         seconds=14.0,
     ),
     "DirectionDependentFriction": Scene(

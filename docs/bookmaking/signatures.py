@@ -23,10 +23,14 @@ def course(play: Play, output: str) -> str:
     return _svg(figure)
 
 
-def curve(play: Play, labels: tuple[str, str]) -> str:
-    """Return the law over its variable."""
+def curve(play: Play, labels: tuple[str, str], *, cloud: bool = False) -> str:
+    """Return the law over its variable, as a line or as the samples alone."""
     figure, axes = _axes(*labels)
-    axes.plot(*_thin(play.across, play.up), color=LAW, linewidth=1.2)
+    if cloud:
+        style = {"linestyle": "", "marker": ".", "markersize": 2.5}
+        axes.plot(*_thin(play.across, play.up, 500), color=LAW, **style)
+    else:
+        axes.plot(*_thin(play.across, play.up), color=LAW, linewidth=1.2)
     return _svg(figure)
 
 
@@ -47,8 +51,8 @@ def _axes(across: str, up: str):  # type: ignore[no-untyped-def]
     return figure, axes
 
 
-def _thin(x, y):  # type: ignore[no-untyped-def]
-    every = max(1, len(x) // POINTS)
+def _thin(x, y, points=POINTS):  # type: ignore[no-untyped-def]
+    every = max(1, len(x) // points)
     return x[::every], y[::every]
 
 

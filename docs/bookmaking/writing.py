@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from bookmaking import cookbook, gallery, reference
+from bookmaking import cookbook, gallery, navigation, reference
 
 
 def write_all(docs: Path) -> None:
@@ -12,6 +12,8 @@ def write_all(docs: Path) -> None:
         ("reference/generated", reference.pages()),
         ("cookbook/generated", cookbook.pages()),
         ("gallery/generated", gallery.pages()),
+        ("tutorials/generated", navigation.tutorials()),
+        ("concepts/generated", navigation.rest()),
     ):
         _write(docs / folder, files)
 
