@@ -18,6 +18,7 @@ from bondgraph.reporting.layout.boxes import (
     Side,
     around,
 )
+from bondgraph.reporting.layout.clearing import clear_sensors
 from bondgraph.reporting.layout.fans import (
     CLEARANCE,
     PASSING,
@@ -94,6 +95,7 @@ def lay_out(
         x, y = boxes[host].x, boxes[host].y
         line = tuple((a + x, b + y) for a, b in outwards)
         paths.append(line if host == bond.tail else line[::-1])
+    clear_sensors(boxes, sides, paths, sensors or {})
     return _on_sheet(boxes, sides, paths)
 
 
