@@ -10,7 +10,8 @@ from concealed import cart
 
 from bondgraph import BondGraph, C, I, R, Se, displacement, f, q
 from bondgraph.diagnosis.diagnose import Options, diagnose
-from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, compare
+from bondgraph.diagnosis.evidence.gain import compare
+from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support, Verdict
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import prepare

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from bondgraph.diagnosis.evidence.confidence import winning_shares
-from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, compare
+from bondgraph.diagnosis.evidence.gain import compare
+from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.search.screening import effective_number
 from bondgraph.diagnosis.work import workers
 from bondgraph.diagnosis.work.journal import FILE, Journal, fingerprint

@@ -9,7 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bondgraph.diagnosis.evidence.confidence import winning_shares
-from bondgraph.diagnosis.evidence.left_out import Gain, LeftOutErrors, compare
+from bondgraph.diagnosis.evidence.gain import Gain, compare
+from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.candidates import CURVE, Candidate
 from bondgraph.physics.library import LIBRARY

@@ -61,7 +61,7 @@ def judge_all(
     ]
     results = bench.run(errors_left_out, trials, "judging")
     errors = {
-        i: LeftOutErrors(np.array(result["chunks"]))
+        i: LeftOutErrors(np.array(result["chunks"]), np.array(result["surprise"]))
         for i, result in zip(kinds, results, strict=True)
     }
     judged = tuple(

@@ -6,12 +6,12 @@ chunk. Chunks are the units of the statistics, so coloured residuals cost nothin
 power, and the number of candidates tried enters as a Bonferroni factor.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import stdtr
 
+from bondgraph.diagnosis.evidence.surprise import surprise
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.horizon import SHORTEST
 from bondgraph.fitting.levenberg_marquardt import minimise, settle
@@ -24,13 +24,25 @@ APART = 3
 SETTLE_ITERATIONS = 5
 FOLDS = 4
 FOLD_ITERATIONS = 3
+LOST = 1e12
+"""The squared error at samples where the model could not be simulated."""
 
 
 @dataclass(frozen=True, slots=True)
 class LeftOutErrors:
-    """Sum of squared, scaled errors on each chunk, by a model not fitted to it."""
+    """What a model that was not fitted to them does on the chunks of a recording.
+
+    Parameters
+    ----------
+    chunks
+        Sum of squared, scaled errors on each chunk.
+    surprise
+        Sum of the surprise on each of the shorter blocks, in nats; empty where it was
+        not asked for.
+    """
 
     chunks: Array
+    surprise: Array = field(default_factory=lambda: np.zeros(0))
 
 
 def chunk_count(fitted: FittedModel) -> int:
@@ -47,18 +59,6 @@ def chunk_count(fitted: FittedModel) -> int:
     longest = max(correlation_time(column) for column in residuals.T)
     independent = len(residuals) // (APART * longest)
     return int(np.clip(independent, LEAST_CHUNKS, MOST_CHUNKS))
-
-
-@dataclass(frozen=True, slots=True)
-class Gain:
-    """Relative reduction of the squared error on left-out chunks, with its error.
-
-    ``p_value`` is one-sided, for the hypothesis that there is no reduction.
-    """
-
-    value: float
-    std: float
-    p_value: float
 
 
 def chunk_labels(problem: FitProblem, chunks: int) -> NDArray[np.int64]:
@@ -84,14 +84,20 @@ def left_out_errors(fitted: FittedModel, chunks: int) -> LeftOutErrors:
     """
     problem = fitted.problem
     labels = chunk_labels(problem, chunks)
-    totals = np.zeros(chunks)
+    blocks = labels if chunks == MOST_CHUNKS else chunk_labels(problem, MOST_CHUNKS)
+    totals, nats = np.zeros(chunks), np.zeros(MOST_CHUNKS)
+    unknowns = len(problem.free) + fitted.optimum.initial.size
     for fold in range(FOLDS):
         test = labels % FOLDS == fold
         begins = _first_halves(problem, test)
-        squared = _fold_errors(fitted, test, begins)
+        residuals = _fold_residuals(fitted, test, begins)
+        squared = (residuals**2).sum(axis=1)
+        squared = np.where(np.isfinite(squared), squared, LOST)
+        told = surprise(residuals, problem.shots.slices, unknowns)
         scored = test & ~begins
         totals += np.bincount(labels, weights=squared * scored, minlength=chunks)
-    return LeftOutErrors(totals)
+        nats += np.bincount(blocks, weights=told * scored, minlength=MOST_CHUNKS)
+    return LeftOutErrors(totals, nats)
 
 
 def _first_halves(problem: FitProblem, test: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -103,10 +109,10 @@ def _first_halves(problem: FitProblem, test: NDArray[np.bool_]) -> NDArray[np.bo
     return begins
 
 
-def _fold_errors(
+def _fold_residuals(
     fitted: FittedModel, test: NDArray[np.bool_], begins: NDArray[np.bool_]
 ) -> Array:
-    """Return the squared error per sample of a fit to the samples not in `test`."""
+    """Return the residuals (n, ny) of a fit to the samples not in `test`."""
     problem, optimum = fitted.problem, fitted.optimum
     hidden = test.copy()
     for part in problem.shots.slices:
@@ -120,8 +126,7 @@ def _fold_errors(
     )
     initial = _settle_unseen(problem, found.theta, found.initial, test, begins)
     at = linearise_windows(problem, found.theta, initial)
-    squared: Array = (at.residuals**2).sum(axis=1)
-    return np.where(np.isfinite(squared), squared, 1e12)
+    return at.residuals
 
 
 def _settle_unseen(
@@ -142,35 +147,3 @@ def _settle_unseen(
     own = initial.copy()
     own[windows], _ = settle(part, theta, initial[windows], SETTLE_ITERATIONS)
     return own
-
-
-def compare(before: LeftOutErrors, after: LeftOutErrors) -> Gain:
-    """Return how much smaller the error is `after`, with its jackknife error.
-
-    Two tests share the level: one of the sum of squared errors, and one of the mean log
-    ratio, which is that of a likelihood in which every chunk has a noise of its own. A
-    few chunks with large errors hide in the sum what all of them show in the other.
-    """
-    b, a = before.chunks, after.chunks
-    total = b.sum()
-    if total <= 0.0:
-        return Gain(0.0, 0.0, 1.0)
-    value = 1.0 - a.sum() / total
-    leave_one = 1.0 - (a.sum() - a) / np.maximum(total - b, 1e-300)
-    n = len(b)
-    std = float(np.sqrt((n - 1) / n * ((leave_one - leave_one.mean()) ** 2).sum()))
-    if std == 0.0:
-        return Gain(float(value), 0.0, 0.0 if value > 0 else 1.0)
-    of_sum = float(stdtr(n - 1, -value / std))
-    return Gain(float(value), std, min(2.0 * min(of_sum, _of_ratios(b, a)), 1.0))
-
-
-def _of_ratios(before: Array, after: Array) -> float:
-    """Return the p-value of a t-test that the mean log ratio is not above zero."""
-    tiny = 1e-12 * max(before.max(), after.max())
-    ratios = np.log((before + tiny) / (after + tiny))
-    n = len(ratios)
-    std = float(ratios.std(ddof=1)) / np.sqrt(n)
-    if std == 0.0:
-        return 0.0 if ratios[0] > 0.0 else 1.0
-    return float(stdtr(n - 1, -float(ratios.mean()) / std))

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bondgraph.diagnosis.evidence.decision import Rule
-from bondgraph.diagnosis.evidence.left_out import chunk_count, compare, left_out_errors
+from bondgraph.diagnosis.evidence.gain import compare
+from bondgraph.diagnosis.evidence.left_out import chunk_count, left_out_errors
 from bondgraph.diagnosis.search.posing import initial_states
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel, pose, prepare

@@ -197,4 +197,5 @@ def restored(base: FittedModel, trial: Trial) -> FittedModel:
 def errors_left_out(base: FittedModel, trial: Trial) -> Plain:
     """Return the errors, chunk by chunk, on data that the model was not fitted to."""
     fitted = restored(base, trial)
-    return {"chunks": left_out_errors(fitted, trial.chunks).chunks.tolist()}
+    errors = left_out_errors(fitted, trial.chunks)
+    return {"chunks": errors.chunks.tolist(), "surprise": errors.surprise.tolist()}

@@ -1,0 +1,63 @@
+"""The gain of one model over another on data that neither was fitted to, and its error.
+
+Three tests share the level, for what is true shows in different ways: in the sum of
+squared errors; in the mean log ratio, which is the likelihood with a noise of its own
+in every chunk (a few chunks with large errors hide in the sum what all of them show
+there); and in the surprise at every step, given what the errors just before had been,
+which needs no long recording where errors change slowly.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import stdtr
+
+from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Gain:
+    """Relative reduction of the squared error on left-out chunks, with its error.
+
+    ``p_value`` is one-sided, for the hypothesis that there is no reduction.
+    """
+
+    value: float
+    std: float
+    p_value: float
+
+
+def compare(before: LeftOutErrors, after: LeftOutErrors) -> Gain:
+    """Return how much smaller the error is `after`, with its jackknife error."""
+    b, a = before.chunks, after.chunks
+    total = b.sum()
+    if total <= 0.0:
+        return Gain(0.0, 0.0, 1.0)
+    value = 1.0 - a.sum() / total
+    leave_one = 1.0 - (a.sum() - a) / np.maximum(total - b, 1e-300)
+    n = len(b)
+    std = float(np.sqrt((n - 1) / n * ((leave_one - leave_one.mean()) ** 2).sum()))
+    if std == 0.0:
+        return Gain(float(value), 0.0, 0.0 if value > 0 else 1.0)
+    tests = [float(stdtr(n - 1, -value / std)), _above_zero(_log_ratios(b, a))]
+    if before.surprise.size:
+        tests.append(_above_zero(before.surprise - after.surprise))
+    return Gain(float(value), std, min(len(tests) * min(tests), 1.0))
+
+
+def _log_ratios(before: Array, after: Array) -> Array:
+    tiny = 1e-12 * max(before.max(), after.max())
+    ratios: Array = np.log((before + tiny) / (after + tiny))
+    return ratios
+
+
+def _above_zero(values: Array) -> float:
+    """Return the p-value of a t-test that the mean is not above zero."""
+    n = len(values)
+    std = float(values.std(ddof=1)) / np.sqrt(n)
+    if std == 0.0:
+        return 0.0 if values[0] > 0.0 else 1.0
+    return float(stdtr(n - 1, -float(values.mean()) / std))
