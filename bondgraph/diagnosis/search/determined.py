@@ -2,14 +2,20 @@
 
 A law whose own numbers nothing determines explains the data by something else that it
 can also be: hysteresis over a distance never travelled is a spring. It is left aside in
-favour of what it stands for.
+favour of what it stands for. A strength of its own is another matter: that nothing
+tells how steep an edge or how rigid a stop is says only that it is as steep as can be.
 """
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from bondgraph.diagnosis.search.candidates import Candidate, Rejected
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.uncertainty import uncertainty
+
+TRACE = 1e-3
+"""A smaller share in a direction is none."""
 
 REASON = "these recordings do not determine its parameters"
 
@@ -29,8 +35,19 @@ def determined(
     kept: list[Candidate] = []
     others: list[Rejected] = []
     for candidate in candidates:
-        if undetermined_directions(candidate.fitted) > known:
+        if _undetermined(candidate) > known:
             others.append(Rejected(candidate.hypothesis, REASON))
         else:
             kept.append(candidate)
     return kept, tuple(others)
+
+
+def _undetermined(candidate: Candidate) -> int:
+    """Return how many directions nothing determines, own strengths left aside."""
+    problem = candidate.fitted.problem
+    names = [problem.model.parameter_names[i] for i in problem.free]
+    own = np.isin(names, candidate.hypothesis.strengths)
+    null = uncertainty(problem, candidate.fitted.optimum).null
+    return sum(
+        bool(np.abs(direction[~own]).max(initial=0.0) > TRACE) for direction in null
+    )
