@@ -83,6 +83,10 @@ def settle(
     for _ in range(iterations):
         inverse = truncated_inverse(_damped(best.hessian[:, nq:, nq:], damping))
         move = np.einsum("wij,wj->wi", inverse, best.slope[:, nq:])
+        promised = np.einsum("wi,wi->w", best.slope[:, nq:], move)
+        active &= promised > SETTLED * best.cost
+        if not active.any():
+            break
         trial = np.where(active[:, None], initial + move, initial)
         new = linearise_windows(problem, theta, trial)
         better = active & (new.cost < best.cost)

@@ -112,7 +112,8 @@ class Part:
     residuals
         Scaled, not whitened; (m, ny); nan in a window that could not be simulated.
     errors, jacobian
-        Scaled and whitened, (m, ny) and (m, ny, nq + nx); zero where not measured and
+        Scaled and whitened, (m, ny) and (m, ny, nq + nx), or one
+        column for each parameter asked about; zero where not measured and
         in a window that could not be simulated.
     """
 
@@ -125,10 +126,21 @@ class Part:
     jacobian: Array
 
 
-def parts(problem: FitProblem, theta: Array, initial: Array) -> Iterator[Part]:
+def parts(
+    problem: FitProblem,
+    theta: Array,
+    initial: Array,
+    about: NDArray[np.int64] | None = None,
+) -> Iterator[Part]:
     """Yield all windows, simulated, so many at a time that memory stays small.
 
     The sensitivities of a million samples are never held together.
+
+    Parameters
+    ----------
+    about
+        Parameters, by index, to which alone sensitivities are wanted; by default all
+        free ones and the initial states.
     """
     shots = problem.shots
     nd = len(problem.free) + problem.model.n_states
@@ -138,11 +150,17 @@ def parts(problem: FitProblem, theta: Array, initial: Array) -> Iterator[Part]:
     while first < shots.n_windows:
         last = int(np.searchsorted(edges, edges[first] + most, side="right")) - 1
         last = min(max(last, first + 1), shots.n_windows)
-        yield _part(problem, theta, initial, slice(first, last))
+        yield _part(problem, theta, initial, slice(first, last), about)
         first = last
 
 
-def _part(problem: FitProblem, theta: Array, initial: Array, windows: slice) -> Part:
+def _part(
+    problem: FitProblem,
+    theta: Array,
+    initial: Array,
+    windows: slice,
+    about: NDArray[np.int64] | None,
+) -> Part:
     edges = problem.shots.edges[windows.start : windows.stop + 1]
     rows = slice(edges[0], edges[-1])
     shots = Shots(
@@ -156,9 +174,10 @@ def _part(problem: FitProblem, theta: Array, initial: Array, windows: slice) -> 
         shots,
         parameters=problem.with_parameters(theta),
         initial=initial[windows],
-        directions=problem.free,
+        directions=problem.free if about is None else about,
         solver=problem.solver,
         hold=problem.hold,
+        of_initial=about is None,
     )
     shot = without_overflow(shot, shots.edges)
     known = np.isfinite(shots.outputs)

@@ -47,6 +47,7 @@ def run_native(
     solver: RungeKutta4 | Sdirk2 | Sdirk3,
     *,
     zero_hold: bool,
+    of_initial: bool = True,
 ) -> NativeRun:
     """Simulate every window in native code.
 
@@ -54,6 +55,8 @@ def run_native(
     ----------
     directions
         Parameters whose sensitivities are wanted; None for no sensitivities at all.
+    of_initial
+        Whether those to the initial states follow.
 
     Raises
     ------
@@ -72,7 +75,7 @@ def run_native(
     run = NativeRun(
         np.empty((n, ny)),
         np.empty((n, nx)),
-        np.zeros((rows, ny, len(wanted) + nx)),
+        np.zeros((rows, ny, len(wanted) + (nx if of_initial else 0))),
         np.zeros(len(windows.edges) - 1, dtype=np.int64),
     )
     given = (parameters, wanted, windows.time, windows.inputs, windows.initial)

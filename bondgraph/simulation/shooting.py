@@ -1,5 +1,7 @@
 """Many windows of recordings simulated at once, each from its own initial state."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,6 +30,7 @@ def shoot(
     solver: Solver,
     hold: Hold,
     engine: Engine = PAYING,
+    of_initial: bool = True,
 ) -> Shooting:
     """Simulate every window from its initial state.
 
@@ -38,8 +41,10 @@ def shoot(
     initial
         Initial states, shape (n_windows, nx).
     directions
-        Indices of the parameters whose sensitivities are wanted (those to the initial
-        states are always added); None for no sensitivities at all.
+        Indices of the parameters whose sensitivities are wanted; None for no
+        sensitivities at all.
+    of_initial
+        Whether those to the initial states are added.
     engine
         How the equations are evaluated, a matter of time only; `WhenItPays` by default.
 
@@ -49,21 +54,26 @@ def shoot(
         If an explicit method is asked for a model whose rates are only implicit.
     """
     if model.contacts is not None and not isinstance(solver, RungeKutta4):
-        return shoot_with_contacts(
+        found = shoot_with_contacts(
             model, shots, parameters, initial, directions, solver, hold, engine, shoot
         )
+        if of_initial or directions is None:
+            return found
+        return replace(found, sensitivities=found.sensitivities[..., : len(directions)])
     if isinstance(solver, RungeKutta4):
         return _by_native_code(
-            model, shots, parameters, initial, directions, solver, hold
+            model, shots, parameters, initial, directions, solver, hold, of_initial
         )
     if engine.compiles(model, len(shots.time)):
         native = _by_native_code(
-            model, shots, parameters, initial, directions, solver, hold
+            model, shots, parameters, initial, directions, solver, hold, of_initial
         )
         # Where native code failed, the tape says why.
         if native.completed.all():
             return native
-    return _by_tape(model, shots, parameters, initial, directions, solver, hold, engine)
+    return _by_tape(
+        model, shots, parameters, initial, directions, solver, hold, engine, of_initial
+    )
 
 
 def _by_native_code(
@@ -74,6 +84,7 @@ def _by_native_code(
     directions: Integers | None,
     solver: Solver,
     hold: Hold,
+    of_initial: bool,
 ) -> Shooting:
     windows = Windows(
         np.ascontiguousarray(shots.time, dtype=np.float64),
@@ -88,6 +99,7 @@ def _by_native_code(
         directions,
         solver,
         zero_hold=hold is Hold.ZERO,
+        of_initial=of_initial,
     )
     troubles = _troubles(model, shots, run.outputs, run.done, None)
     fine = np.array([trouble is None for trouble in troubles], dtype=np.bool_)
@@ -103,11 +115,12 @@ def _by_tape(
     solver: Implicit,
     hold: Hold,
     engine: Engine,
+    of_initial: bool,
 ) -> Shooting:
     zero_hold = hold is Hold.ZERO
     run = run_tape(
         model, shots, parameters, initial, directions, solver, engine,
-        zero_hold=zero_hold,
+        zero_hold=zero_hold, of_initial=of_initial,
     )  # fmt: skip
     troubles = _troubles(model, shots, run.outputs, run.done, run.trouble)
     fine = np.array([found is None for found in troubles], dtype=np.bool_)

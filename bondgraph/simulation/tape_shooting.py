@@ -48,6 +48,7 @@ def run_tape(
     engine: Engine,
     *,
     zero_hold: bool,
+    of_initial: bool,
 ) -> TapeRun:
     """Simulate every window; arguments as for `shoot`."""
     from bondgraph.numeric.kernel.method import Method  # noqa: PLC0415
@@ -58,7 +59,7 @@ def run_tape(
 
     n, nx, ny = len(shots.time), model.n_states, len(model.output_names)
     wanted = np.zeros(0, np.int64) if directions is None else directions
-    nd = 0 if directions is None else len(wanted) + nx
+    nd = 0 if directions is None else len(wanted) + (nx if of_initial else 0)
     outputs = np.full((n, ny), np.nan)
     states = np.full((n, nx), np.nan)
     sensitivities = np.zeros((n if directions is not None else 0, ny, nd))

@@ -26,6 +26,9 @@ NOTHING = (AdequacyStatus.ADEQUATE, AdequacyStatus.COLOURED)
 MOST_REMAINING = 0.5
 """Findings that leave more than this share of the error have not found the cause."""
 
+TRACE = 0.05
+"""A smaller share of what a model leaves does not matter, however sure it is."""
+
 MANY = 1000
 """Beyond it, how many times the noise says more of the noise than of the model."""
 
@@ -101,6 +104,13 @@ def verdict_of(
             f"{checked.status} By chance it would follow the machine no less in "
             f"{chance}{_tried_words(first.tried)}."
         )
+    if checked is not None and _is_trace(checked):
+        most = checked.dependences[0]
+        return Verdict.ADEQUATE, (
+            f"What the model leaves is coloured noise. A trace of it, "
+            f"{100 * most.share:.2g} %, follows {most.variable} at {most.place}: too "
+            f"little to matter{_tried_words(first.tried)}."
+        )
     undecided = [j for j in first.judged if j.support is Support.UNDECIDED]
     if undecided and not worst <= ADEQUATE_RATIO:
         names = ", ".join(
@@ -119,6 +129,12 @@ def verdict_of(
         "Nothing is missing that these recordings could show: "
         f"{_residual_words(worst)}{_tried_words(first.tried)}."
     )
+
+
+def _is_trace(checked: Adequacy) -> bool:
+    """Return whether what the model leaves hardly follows the machine, if surely."""
+    surely = checked.status is AdequacyStatus.STRUCTURE
+    return surely and checked.dependences[0].share < TRACE
 
 
 def with_values(

@@ -44,8 +44,8 @@ def score_test(
     added
         Which of the free parameters are added; steps of these stay within bounds.
     """
-    jacobian = sensitivities(problem, theta, initial)
-    whole = jacobian[:, :, : len(theta)][:, :, added].reshape(-1, int(added.sum()))
+    jacobian = sensitivities(problem, theta, initial, problem.free[added])
+    whole = jacobian.reshape(-1, int(added.sum()))
     low = (problem.low[problem.free] - theta)[added]
     high = (problem.high[problem.free] - theta)[added]
     if not np.isfinite(whole).all():

@@ -101,9 +101,20 @@ def _surrogates(residual: Array, random: np.random.Generator) -> Array:
     return np.asarray(np.fft.irfft(spectrum[:, :, None] * turn[:, None], n, axis=0))
 
 
-def sensitivities(problem: FitProblem, theta: Array, initial: Array) -> Array:
-    """Return the scaled sensitivities of the outputs, (n, ny, nq + nx)."""
-    found = [part.jacobian for part in parts(problem, theta, initial)]
+def sensitivities(
+    problem: FitProblem,
+    theta: Array,
+    initial: Array,
+    about: NDArray[np.int64] | None = None,
+) -> Array:
+    """Return the scaled sensitivities of the outputs, (n, ny, nq + nx).
+
+    Parameters
+    ----------
+    about
+        Parameters, by index, to which alone they are wanted.
+    """
+    found = [part.jacobian for part in parts(problem, theta, initial, about)]
     return np.concatenate(found)
 
 

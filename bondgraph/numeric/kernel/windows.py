@@ -103,10 +103,10 @@ def integrate(
     """Simulate one window; return how many samples were completed, and what failed.
 
     `directions` are the parameters whose sensitivities are wanted; those of the initial
-    state follow them.
+    state follow them where the results have columns for them.
     """
     nx, nq = system.nx, len(directions)
-    n = nq + nx if len(results.sensitivities) else 0
+    n = results.sensitivities.shape[2] if len(results.sensitivities) else 0
     work = make_work(system, n)
     steps = make_steps(system, len(method.c), n)
     there = make_fast_work(fast, parameters, n)
@@ -119,7 +119,7 @@ def integrate(
     for k in range(min(nq, n)):
         work.dq[at + directions[k], k] = 1.0
         work.dqo[at + directions[k], k] = 1.0
-    for i in range(nx if n > 0 else 0):
+    for i in range(nx if n > nq else 0):
         dx[i, nq + i] = 1.0
     slope = np.zeros(system.nu)
     glance = 0.0

@@ -26,10 +26,11 @@ def integrate_explicit(  # noqa: C901, PLR0912  (a compiled loop)
     """Simulate one window; return how many samples were completed.
 
     `directions` are the parameters whose sensitivities are wanted; those to the initial
-    state follow them. There are none where `sensitivities` has no rows.
+    state follow them where `sensitivities` has columns for them. There are none where
+    it has no rows.
     """
     nx, nu, nq, samples = system.nx, system.nu, len(directions), len(time)
-    n = nq + nx if len(sensitivities) else 0
+    n = sensitivities.shape[2] if len(sensitivities) else 0
     v = variables(system, parameters)
     clock = system.n_variables - 1
     j = np.zeros(max(nx, system.ny, 1) * system.n_columns + 1)
@@ -37,7 +38,7 @@ def integrate_explicit(  # noqa: C901, PLR0912  (a compiled loop)
     dw = np.zeros((nx, max(n, 1)))
     for i in range(nx):
         v[i] = x0[i]
-    for i in range(nx if n > 0 else 0):
+    for i in range(nx if n > nq else 0):
         d[i, nq + i] = 1.0
     for k in range(nq if n > 0 else 0):
         d[nx + directions[k], k] = 1.0

@@ -45,10 +45,11 @@ def integrate_implicit(
     """Simulate one window; return how many samples were completed.
 
     `directions` are the parameters whose sensitivities are wanted; those to the initial
-    state follow them. There are none where `sensitivities` has no rows.
+    state follow them where `sensitivities` has columns for them. There are none where
+    it has no rows.
     """
     nx, nq, stages = system.nx, len(directions), len(method.c)
-    n = nq + nx if len(sensitivities) else 0
+    n = sensitivities.shape[2] if len(sensitivities) else 0
     width = max(n, 1)
     stage = make_stage(system, variables(system, parameters), n)
     path = Path(
@@ -60,7 +61,7 @@ def integrate_implicit(
         dk=np.zeros((stages, nx, width)),
         slope=np.zeros(system.nu),
     )
-    for i in range(nx if n > 0 else 0):
+    for i in range(nx if n > nq else 0):
         path.dx[i, nq + i] = 1.0
     jy = np.zeros(system.ny * system.n_columns + 1)
     return _run(
