@@ -105,7 +105,7 @@ def verdict_of(
             f"{chance}{_tried_words(first.tried)}."
         )
     if checked is not None and _is_trace(checked):
-        most = checked.dependences[0]
+        most = max(checked.dependences, key=lambda one: one.share)
         return Verdict.ADEQUATE, (
             f"What the model leaves is coloured noise. A trace of it, "
             f"{100 * most.share:.2g} %, follows {most.variable} at {most.place}: too "
@@ -134,7 +134,7 @@ def verdict_of(
 def _is_trace(checked: Adequacy) -> bool:
     """Return whether what the model leaves hardly follows the machine, if surely."""
     surely = checked.status is AdequacyStatus.STRUCTURE
-    return surely and checked.dependences[0].share < TRACE
+    return surely and all(one.share < TRACE for one in checked.dependences)
 
 
 def with_values(
