@@ -68,12 +68,12 @@ def _chance(baseline: Baseline, columns: Array, low: Array, high: Array) -> Arra
     A single parameter at its bound may go one way only.
     """
     basis = orthonormal(columns)
-    along = basis.T @ baseline.draws
+    along = basis.T.astype(np.float32) @ baseline.draws
     if basis.shape[1] == 1 and columns.shape[1] == 1:
         along = along * np.sign(basis[:, 0] @ columns[:, 0])
         along = np.clip(along, -np.inf if low[0] < 0.0 else 0.0, None)
         along = np.clip(along, None, np.inf if high[0] > 0.0 else 0.0)
-    shares: Array = (along**2).sum(axis=0)
+    shares: Array = (along.astype(np.float64) ** 2).sum(axis=0)
     return shares
 
 

@@ -7,7 +7,7 @@ over all of them finds where nothing is missing; it counts the number of hypothe
 how alike they are, by itself.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.problem import FitProblem, parts
+from bondgraph.simulation.solvers import RungeKutta4
 
 Array = NDArray[np.float64]
 DRAWS = 399
@@ -39,9 +40,22 @@ class Baseline:
     residuals: Array
 
     @cached_property
+    def quick(self) -> FittedModel:
+        """The base model with one step per sample.
+
+        Slopes need not be so exact as the residual: the same steps for the base model's
+        and for what is added let the errors of both cancel.
+        """
+        problem = self.fitted.problem
+        if isinstance(problem.solver, RungeKutta4):
+            return self.fitted
+        solver = replace(problem.solver, substeps=1)
+        return replace(self.fitted, problem=replace(problem, solver=solver))
+
+    @cached_property
     def _jacobian(self) -> Array:
-        problem, optimum = self.fitted.problem, self.fitted.optimum
-        return sensitivities(problem, optimum.theta, optimum.initial)
+        optimum = self.fitted.optimum
+        return sensitivities(self.quick.problem, optimum.theta, optimum.initial)
 
     @cached_property
     def _initial(self) -> list[Array]:
@@ -78,15 +92,19 @@ class Baseline:
         return self.project(self.residuals.reshape(-1, 1))[:, 0]
 
     @cached_property
-    def draws(self) -> Array:
-        """Surrogates of the residual, projected, of length one; (n ny, draws)."""
+    def draws(self) -> NDArray[np.float32]:
+        """Surrogates of the residual, projected, of length one; (n ny, draws).
+
+        In single precision: their number, not their digits, makes the work.
+        """
         random = np.random.default_rng(SEED)
         drawn = np.empty((*self.residuals.shape, DRAWS))
         for part in self.fitted.problem.shots.slices:
             drawn[part] = _surrogates(self.residuals[part], random)
         rest = self.project(drawn.reshape(-1, DRAWS))
-        unit: Array = rest / np.maximum(np.linalg.norm(rest, axis=0), 1e-300)
-        return unit
+        unit = rest / np.maximum(np.linalg.norm(rest, axis=0), 1e-300)
+        single: NDArray[np.float32] = unit.astype(np.float32)
+        return single
 
 
 def _surrogates(residual: Array, random: np.random.Generator) -> Array:

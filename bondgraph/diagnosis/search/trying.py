@@ -82,13 +82,14 @@ def promise(baseline: Baseline, trial: Trial) -> Plain:
     silent = hypothesis.silent_starts
 
     def promised() -> Plain:
-        problem = pose_hypothesis(base, hypothesis)
         if silent:
-            new = added(base, problem)
-            tried = thetas(base, hypothesis, problem, silent)
+            quick = baseline.quick
+            problem = pose_hypothesis(quick, hypothesis)
+            new = added(quick, problem)
+            tried = thetas(quick, hypothesis, problem, silent)
             scores = [
                 score_test(
-                    baseline, problem, theta, _settled(base, problem, theta), new
+                    baseline, problem, theta, _settled(quick, problem, theta), new
                 )
                 for theta in tried
             ]
@@ -97,6 +98,7 @@ def promise(baseline: Baseline, trial: Trial) -> Plain:
                 "promised": max(score.promised for score in scores),
                 "by_chance": [round(float(share), 6) for share in chance],
             }
+        problem = pose_hypothesis(base, hypothesis)
         best = _best(base, trial, problem, PROMISE_ITERATIONS)
         return {"promised": float(1.0 - best.cost / base.optimum.cost)}
 
