@@ -36,7 +36,7 @@ from bondgraph.diagnosis.records import (
     Support,
 )
 from bondgraph.diagnosis.search.candidates import Candidate
-from bondgraph.diagnosis.search.rounds import Options, Round, explainable
+from bondgraph.diagnosis.search.rounds import Options, Round
 from bondgraph.fitting.estimate import FittedModel, fit_model, report
 from bondgraph.fitting.result import FitResult
 from bondgraph.physics.hypothesis import Hypothesis
@@ -264,8 +264,12 @@ def _remaining(accepted: Sequence[Round], floor: Mapping[str, float]) -> float:
         share *= 1.0 - found.chosen.gain.value
     if not accepted:
         return share
-    noise = np.array([floor[name] for name in floor])
-    beyond = explainable(accepted[0].base, noise)
+    base = accepted[0].base
+    scale = base.problem.sigma
+    power = np.nanmean((base.residuals() / scale) ** 2, axis=0)
+    noise = (np.array([floor[name] for name in floor]) / scale) ** 2
+    # The gains are of the errors of all outputs together, weighted by these scales.
+    beyond = 1.0 - float(np.sum(np.minimum(noise, power)) / np.sum(power))
     return max(share - (1.0 - beyond), 0.0) / max(beyond, 1e-12)
 
 

@@ -1,0 +1,101 @@
+"""Wrong signs, units, zeros and readings are diagnosed, not silently fitted.
+
+The oscillator is stepped by its exact solution; only then is its recording spoiled.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from bondgraph import BondGraph, C, I, R, Se
+from bondgraph.diagnosis.diagnose import diagnose
+from bondgraph.diagnosis.records import Verdict
+from bondgraph.diagnosis.search.rounds import Options
+from bondgraph.fitting.estimate import FitSettings
+from bondgraph.recordings.binding import BoundRecording, bind
+from bondgraph.recordings.recording import Recording
+from bondgraph.simulation.solvers import Hold
+
+STEP, COUNT = 0.02, 400
+MASS, VISCOUS, COMPLIANCE = 1.3, 2.0, 1 / 9.0
+NOISE = np.array([5e-4, 2e-3])
+
+Array = np.ndarray
+Spoil = Callable[[Array], Array]
+
+
+def oscillator():
+    graph = BondGraph("oscillator", domain="translation")
+    graph.one("wheel", Se("force"), I("mass"), R("viscous"), C("spring"))
+    graph.measure("position", displacement="wheel")
+    graph.measure("velocity", flow="wheel")
+    graph.parameter("mass", 1.2, "kg", bounds=(0.01, 100))
+    graph.parameter("viscous", 1.5, "N*s/m", bounds=(0, 100))
+    graph.parameter("spring", 0.1, "m/N", bounds=(1e-4, 100))
+    return graph.finish()
+
+
+def motion(seed: int) -> tuple[Array, Array]:
+    """Return a force in steps, and position and velocity as noisy sensors see them."""
+    rng = np.random.default_rng(seed)
+    force = np.repeat(rng.uniform(-6, 6, COUNT // 10), 10)
+    rates = np.zeros((3, 3))
+    rates[0, 1] = 1.0
+    rates[1] = [-1 / COMPLIANCE / MASS, -VISCOUS / MASS, 1 / MASS]
+    over_a_step = expm(rates * STEP)
+    states = np.zeros((COUNT, 2))
+    for k in range(COUNT - 1):
+        states[k + 1] = over_a_step[:2, :2] @ states[k] + over_a_step[:2, 2] * force[k]
+    return force, states + NOISE * rng.standard_normal(states.shape)
+
+
+def recorded(seed: int, channel: str, spoil: Spoil) -> BoundRecording:
+    force, states = motion(seed)
+    values = {"position": states[:, 0], "velocity": states[:, 1]}
+    values[channel] = spoil(values[channel])
+    units = {"position": "m", "velocity": "m/s"}
+    channels = {"force": (force, "N")}
+    channels |= {name: (values[name], unit) for name, unit in units.items()}
+    recording = Recording.from_arrays(f"run {seed}", STEP * np.arange(COUNT), channels)
+    return bind(recording, {"force": "N"}, units)
+
+
+def diagnosed(channel: str, spoil: Spoil):
+    training, held_out = (recorded(seed, channel, spoil) for seed in (1, 2))
+    options = Options(settings=FitSettings(hold=Hold.ZERO))
+    return diagnose(oscillator(), [training], held_out=[held_out], options=options)
+
+
+@pytest.mark.parametrize(
+    ("channel", "spoil", "physics", "value"),
+    [
+        ("velocity", lambda v: -v, "sensor_scale", -1.0),
+        ("position", lambda x: x / 1000, "sensor_scale", 1e-3),
+        ("velocity", lambda v: v + 0.3, "sensor_bias", 0.3),
+    ],
+    ids=["wrong sign", "wrong unit", "wrong zero"],
+)
+def test_what_a_sensor_gets_wrong_is_found_at_that_sensor(
+    channel, spoil, physics, value
+):
+    diagnosis = diagnosed(channel, spoil)
+    assert diagnosis.verdict is Verdict.PHYSICS_MISSING, diagnosis.statement
+    (finding,) = diagnosis.findings
+    assert (finding.physics, finding.place) == (physics, channel)
+    estimate = diagnosis.fit_after.estimate(f"{physics}_{channel}")
+    assert estimate.value == pytest.approx(value, rel=3e-3)
+    # What the slip hid is found as well: the machine's own parameters.
+    assert diagnosis.fit_after.estimate("mass").value == pytest.approx(MASS, rel=0.01)
+
+
+def test_misread_samples_are_set_aside_and_told():
+    def misread(values: Array) -> Array:
+        return np.where(np.arange(COUNT) % 97 == 50, 9.99, values)
+
+    diagnosis = diagnosed("velocity", misread)
+    assert diagnosis.verdict is Verdict.ADEQUATE, diagnosis.statement
+    notes = [note for note in diagnosis.notes if "misreading" in note]
+    assert len(notes) == 2  # one for each recording
+    assert all("velocity" in note and "50" in note for note in notes)
