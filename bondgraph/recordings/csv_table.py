@@ -212,9 +212,10 @@ class CsvTable(AbstractTable):
         for number, line in _filled(block):
             cells = line.split(self._delimiter)
             if len(cells) != len(self.headers):
+                count = f"{len(cells)} cell{'s' * (len(cells) != 1)}"
                 raise RecordingError(
-                    f"Line {number} of {self.source!r} has {len(cells)} cells and the "
-                    f"header {len(self.headers)}.",
+                    f"Line {number} of {self.source!r} has {count} and the header "
+                    f"{len(self.headers)}.",
                     (self.source,),
                     "Mend or remove that line.",
                 )
