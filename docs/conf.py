@@ -30,6 +30,7 @@ exclude_patterns = ["_build", "bookmaking", "**/.*", "**/generated/*.inc"]
 source_suffix = {".md": "myst-nb", ".ipynb": "myst-nb"}
 # Notebooks are shown with what they gave when they were last executed.
 nb_execution_mode = "off"
+suppress_warnings = ["myst-nb.lexer"]  # of a notebook that was never executed
 
 myst_enable_extensions = ["attrs_inline", "deflist", "dollarmath"]
 myst_heading_anchors = 3
