@@ -13,8 +13,12 @@
       while (lower.length > 4 * FACTOR) {
         const count = Math.ceil(lower.length / FACTOR);
         const [down, up] = [new Uint16Array(count), new Uint16Array(count)];
-        for (let k = 0; k < count; k += 1) {
-          [down[k], up[k]] = extremes(lower, upper, FACTOR * k, FACTOR * (k + 1));
+        down.fill(65535);
+        for (let k = 0; k < lower.length; k += 1) {
+          if (upper[k] === GAP) continue;
+          const n = Math.floor(k / FACTOR);
+          if (lower[k] < down[n]) down[n] = lower[k];
+          if (upper[k] > up[n]) up[n] = upper[k];
         }
         this.levels.push({ least: down, greatest: up });
         [lower, upper] = [down, up];
@@ -25,47 +29,38 @@
 
     at(index) { return this.value(this.levels[0].greatest[index]); }
 
-    /* The least and the greatest code from one sample to another. */
+    /* The least and the greatest code from one sample to another: at each level what
+       does not fill a block of the next one, from both ends. */
     between(first, end) {
-      let level = 0;
-      let width = 1;
-      while (level + 1 < this.levels.length && end - first >= 4 * FACTOR * width) {
-        level += 1;
-        width *= FACTOR;
+      const found = [65535, GAP];
+      for (let n = 0; first < end; n += 1) {
+        const [inner, outer] = [Math.ceil(first / FACTOR), Math.floor(end / FACTOR)];
+        if (n + 1 === this.levels.length || inner >= outer) {
+          widen(found, this.levels[n], first, end);
+          break;
+        }
+        widen(found, this.levels[n], first, inner * FACTOR);
+        widen(found, this.levels[n], outer * FACTOR, end);
+        [first, end] = [inner, outer];
       }
-      const { least, greatest } = this.levels[level];
-      const inner = [Math.ceil(first / width), Math.floor(end / width)];
-      let found = extremes(least, greatest, inner[0], inner[1]);
-      if (level > 0) {
-        const { least: l, greatest: g } = this.levels[0];
-        found = joined(found, extremes(l, g, first, Math.min(inner[0] * width, end)));
-        found = joined(found, extremes(l, g, Math.max(inner[1] * width, first), end));
-      }
-      return found;
+      return found[1] === GAP ? [GAP, GAP] : found;
     }
   }
 
-  function extremes(least, greatest, first, end) {
-    let low = 65535;
-    let high = GAP;
-    for (let k = first; k < Math.min(end, greatest.length); k += 1) {
+  function widen(found, { least, greatest }, from, to) {
+    for (let k = from; k < to; k += 1) {
       if (greatest[k] === GAP) continue;
-      if (least[k] < low) low = least[k];
-      if (greatest[k] > high) high = greatest[k];
+      if (least[k] < found[0]) found[0] = least[k];
+      if (greatest[k] > found[1]) found[1] = greatest[k];
     }
-    return high === GAP ? [GAP, GAP] : [low, high];
-  }
-
-  function joined(one, other) {
-    if (one[1] === GAP) return other;
-    if (other[1] === GAP) return one;
-    return [Math.min(one[0], other[0]), Math.max(one[1], other[1])];
   }
 
   /* All series of one output of one recording, and its clock. */
   class Samples {
     static async unpack(element) {
-      const packed = Uint8Array.from(atob(element.textContent), (c) => c.charCodeAt(0));
+      const text = atob(element.textContent);
+      const packed = new Uint8Array(text.length);
+      for (let k = 0; k < text.length; k += 1) packed[k] = text.charCodeAt(k);
       const stream = new Blob([packed]).stream()
         .pipeThrough(new DecompressionStream("deflate"));
       const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
@@ -78,12 +73,15 @@
       this.series = new Map();
       let at = 0;
       const next = (width, Codes) => {
+        const planes = Array.from({ length: width }, (_, b) =>
+          bytes.subarray(at + b * this.count, at + (b + 1) * this.count));
         const codes = new Codes(this.count);
+        const mask = width === 2 ? 0xffff : 0xffffffff;
+        const [b0, b1, b2, b3] = planes;
         for (let k = 0, sum = 0; k < this.count; k += 1) {
-          for (let b = 0; b < width; b += 1) {
-            sum += bytes[at + b * this.count + k] * 2 ** (8 * b);
-          }
-          sum %= 2 ** (8 * width);
+          sum += b0[k] | (b1[k] << 8);
+          if (width === 4) sum += (b2[k] << 16) | (b3[k] << 24);
+          sum &= mask;
           codes[k] = sum;
         }
         at += width * this.count;
@@ -104,10 +102,13 @@
 
     sum({ low, step }, one, other) {
       const codes = new Uint16Array(this.count);
+      const [a, b] = [one, other].map((series) => series.levels[0].greatest);
+      const offset = (one.low + other.low - one.step - other.step - low) / step + 1;
+      const [p, q] = [one.step / step, other.step / step];
       for (let k = 0; k < this.count; k += 1) {
-        const value = one.at(k) + other.at(k);
-        const level = Math.round((value - low) / step) + 1;
-        codes[k] = Number.isNaN(value) ? GAP : Math.min(65535, Math.max(1, level));
+        if (a[k] === GAP || b[k] === GAP) continue;
+        const level = Math.round(offset + p * a[k] + q * b[k]);
+        codes[k] = level < 1 ? 1 : level > 65535 ? 65535 : level;
       }
       return codes;
     }
@@ -143,10 +144,11 @@
        than the columns of the picture, the least and greatest of each column. */
     path(series, [from, to], [bottom, top], columns) {
       const [first, end] = this.inside(from, to);
-      const x = (k) => (((this.time(k) - from) / (to - from)) * SIDE).toFixed(1);
+      const tenth = (place) => Math.round(place * 10) / 10;
+      const x = (k) => tenth(((this.time(k) - from) / (to - from)) * SIDE);
       const y = (code) => {
         const place = ((top - series.value(code)) / (top - bottom)) * SIDE;
-        return Math.min(3 * SIDE, Math.max(-2 * SIDE, place)).toFixed(1);
+        return tenth(Math.min(3 * SIDE, Math.max(-2 * SIDE, place)));
       };
       const parts = [];
       let pen = "M";
