@@ -23,6 +23,7 @@ from bondgraph import (
     fit,
     linearise,
     simulate,
+    simulate_inputs,
 )
 from bondgraph.notebook import as_html
 from bondgraph.progress import Count, Steps, count, shown_progress
@@ -135,6 +136,13 @@ def test_a_simulation_shows_measured_and_simulated(shell, recorded):
     assert len(chart.findall(".//path[@vector-effect]")) == 2
     assert "measured" in html["text/html"]
     assert "of the measured spread" in html["text/html"]
+
+
+def test_a_run_shows_its_outputs_and_how_it_ended(shell):
+    run = simulate_inputs(cart().finish(), np.arange(50) / 50, inputs={"force": 1.0})
+    html = shown(shell, run)["text/html"]
+    assert len(charts(html)) == 1
+    assert run.status.value in html
 
 
 def test_a_fit_is_its_sentence_and_a_table(shell, recorded):

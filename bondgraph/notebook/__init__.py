@@ -18,6 +18,7 @@ _HTML = {
     "bondgraph.recordings.recording": {"Recording": "charts:recording_html"},
     "bondgraph.recordings.binding": {"BoundRecording": "charts:bound_html"},
     "bondgraph.fitting.simulate": {"Solution": "charts:solution_html"},
+    "bondgraph.simulation.run": {"Run": "charts:run_html"},
     "bondgraph.fitting.result": {"FitResult": "tables:fit_html"},
     "bondgraph.fitting.profile": {"Profile": "charts:profile_html"},
     "bondgraph.diagnosis.records": {"Diagnosis": "pictures:diagnosis_html"},

@@ -17,6 +17,7 @@ from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.recording import Recording
 from bondgraph.reporting.charts import Chart, Curve, chart
 from bondgraph.reporting.wording import number_words, percent, unit_words
+from bondgraph.simulation.run import Run
 
 Array = NDArray[np.float64]
 HEIGHT, SLICES, MOST_CHARTS = 110, 500, 12
@@ -74,6 +75,15 @@ def solution_html(solution: Solution) -> str:
     shown = _over_time(solution.recording, solution.time, channels, steady=False)
     error = percent(solution.score.nrmse)
     return f"{shown}<p>Error: {error} of the measured spread.</p>"
+
+
+def run_html(run: Run) -> str:
+    """Return the outputs of a run over time, and how it ended."""
+    units = zip(run.output_names, run.output_units, run.outputs.T, strict=True)
+    channels = [_Channel(name, unit, {"": y}) for name, unit, y in units]
+    shown = _over_time("run", run.time, channels, steady=False)
+    words = f"<p>{escape(f'{run.status.value} {run.reason}'.strip())}</p>"
+    return shown + words
 
 
 def profile_html(profile: Profile) -> str:
