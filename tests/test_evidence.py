@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy import stats
+from scipy.signal import lfilter
 
 from bondgraph import BondGraph, C, R, Recording, Sf, bind_to
 from bondgraph.diagnosis.evidence import left_out
@@ -20,15 +21,15 @@ from bondgraph.diagnosis.evidence.decision import (
     judge,
     probability,
 )
+from bondgraph.diagnosis.evidence.gain import Gain, compare
 from bondgraph.diagnosis.evidence.left_out import (
     FOLDS,
-    Gain,
     LeftOutErrors,
     chunk_count,
     chunk_labels,
-    compare,
     left_out_errors,
 )
+from bondgraph.diagnosis.evidence.surprise import LOST, surprise
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.fitting.estimate import FitSettings, fit_model
@@ -174,6 +175,35 @@ def test_a_gain_is_the_share_of_the_error_with_its_jackknife_error():
     ratios = stats.ttest_1samp(np.log(before.chunks / after.chunks), 0).statistic
     of_ratios = stats.t.sf(ratios, 5)
     assert gain.p_value == pytest.approx(2 * min(of_sum, of_ratios), rel=1e-6)
+    nats = np.array([3.0, 2.5, 2.9, 3.3]), np.array([2.0, 1.0, 2.1, 1.8])
+    told = [
+        LeftOutErrors(errors.chunks, surprise)
+        for errors, surprise in zip((before, after), nats, strict=True)
+    ]
+    of_steps = stats.ttest_1samp(nats[0] - nats[1], 0, alternative="greater").pvalue
+    three = 3 * min(of_sum, of_ratios, of_steps)
+    assert compare(*told).p_value == pytest.approx(three, rel=1e-6)
+
+
+def test_white_errors_surprise_by_their_size_and_coloured_ones_by_their_steps():
+    random = np.random.default_rng(5)
+    steps = 0.2 * random.standard_normal(20_000)
+    whole = [slice(0, 20_000)]
+    expected = 0.5 + np.log(0.2)
+    white = surprise(steps[:, None], whole, 1)
+    assert white[50:].mean() == pytest.approx(expected, abs=0.02)
+    slow = lfilter([1.0], [1.0, -0.98], steps)
+    assert surprise(slow[:, None], whole, 1)[50:].mean() == pytest.approx(
+        expected, abs=0.02
+    )
+    both = surprise(np.column_stack([steps, slow]), whole, 1)
+    np.testing.assert_allclose(both.mean(), 2 * white.mean(), rtol=0.02)
+    # The first samples of a window have no past.
+    assert (white[:5] == 0).all()
+    parts = surprise(steps[:, None], [slice(0, 9_000), slice(9_000, 20_000)], 1)
+    assert (parts[9_000:9_005] == 0).all()
+    assert (surprise(np.full((30, 1), np.nan), [slice(0, 30)], 1) == LOST).all()
+    assert (surprise(np.zeros((30, 1)), [slice(0, 30)], 1) == 0).all()
 
 
 def test_a_gain_of_nothing_and_a_gain_of_the_same_everywhere():
@@ -252,6 +282,15 @@ def test_the_better_of_two_as_simple_is_chosen_and_the_simpler_of_two_as_good():
     assert best_supported([wide, good, better], RULE) is better
     much = judged(0.05, physics="backlash", complexity=2)
     assert best_supported([much, better], RULE) is much
+
+
+def test_simpler_and_simpler_laws_are_preferred_step_by_step():
+    wide = judged(0.200, physics="backlash", complexity=3)
+    middle = judged(0.208, physics="hysteresis", complexity=2)
+    simple = judged(0.215, physics="spring")
+    assert clearly_better(wide, simple, RULE)
+    assert best_supported([wide, middle, simple], RULE) is simple
+    assert best_supported([wide, simple], RULE) is wide
 
 
 def test_of_laws_that_predict_alike_the_plainest_is_told_at_its_best_place():
