@@ -5,6 +5,7 @@ A new place fails the first test, until somebody has thought about it.
 """
 
 import ast
+import re
 from collections import Counter
 from pathlib import Path
 
@@ -61,6 +62,7 @@ TRUSTING = (
 ALLOWED = {
     ("bondgraph/__init__.py", "import_module"): "our own modules, by a table of names",
     ("bondgraph/cli/program.py", "import_module"): "our own commands, by their table",
+    ("bondgraph/notebook/__init__.py", "import_module"): "our own, by a table",
     ("bondgraph/cli/work_options.py", "import_module"): "Dask, by its name",
     ("bondgraph/progress.py", "import_module"): "IPython, by its name",
     ("bondgraph/simulation/adaptive.py", "import_module"): "a solver, by its name",
@@ -216,3 +218,25 @@ def test_objects_in_hdf5_are_no_channels(tmp_path):
         file["x"] = np.array(["a", "b", "c"], dtype=object)
     with pytest.raises(BondGraphError, match="x"):
         read_recording(tmp_path / "run.h5", units={"time": "s", "x": "m"})
+
+
+def test_every_package_that_ci_installs_is_pinned_by_digests():
+    text = (ROOT / ".ci" / "requirements.txt").read_text("utf-8")
+    lines = [line for line in text.splitlines() if not line.startswith("#")]
+    pins = [line for line in lines if not line.startswith(" ")]
+    assert len(pins) > 60
+    assert all("==" in pin for pin in pins)
+    for line, after in zip(lines, [*lines[1:], ""], strict=True):
+        if not line.startswith(" "):
+            assert after.startswith("    --hash=sha256:"), line
+
+
+def test_the_digests_are_of_the_versions_that_were_tested():
+    tested, pinned = (
+        dict(re.findall(r"^([a-z0-9.-]+)==([^ \n]+)", text, flags=re.M))
+        for text in (
+            (ROOT / "constraints.txt").read_text("utf-8"),
+            (ROOT / ".ci" / "requirements.txt").read_text("utf-8"),
+        )
+    )
+    assert {n: v for n, v in pinned.items() if tested.get(n, v) != v} == {}
