@@ -117,6 +117,6 @@ def style(theme: Theme) -> str:
     if theme is Theme.LIGHT:
         return light
     return (
-        f"{light}\n@media (prefers-color-scheme:dark){{{_colours(_DARK)}}}\n"
+        f"{light}\n@media screen and (prefers-color-scheme:dark){{{_colours(_DARK)}}}\n"
         "@media print{.bondgraph .sheet{fill:none}}"
     )

@@ -29,8 +29,8 @@
     theme.textContent = dark ? "Light" : "Dark";
   });
 
-  /* What is folded on a screen is there on paper. */
-  const folded = document.querySelectorAll("details");
+  /* What is folded on a screen is there on paper, but for laws too long for a column. */
+  const folded = document.querySelectorAll("section > details, figure > details");
   let opened = [];
   addEventListener("beforeprint", () => {
     opened = [...folded].filter((one) => !one.open);
