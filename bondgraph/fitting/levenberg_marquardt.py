@@ -302,9 +302,37 @@ def _bounded(problem: FitProblem, hessian: Array, slope: Array, theta: Array) ->
     """Solve for a step within bounds, holding parameters that would leave them."""
     low, high = problem.low[problem.free], problem.high[problem.free]
     held = ((theta <= low) & (slope < 0)) | ((theta >= high) & (slope > 0))
-    free = np.flatnonzero(~held)
-    move = np.zeros(len(theta))
-    if len(free):
-        move[free] = truncated_inverse(hessian[np.ix_(free, free)]) @ slope[free]
-    clipped: Array = np.clip(theta + move, low, high) - theta
-    return clipped
+    return bounded_step(hessian, slope, low - theta, high - theta, held)
+
+
+def bounded_step(
+    hessian: Array,
+    slope: Array,
+    low: Array,
+    high: Array,
+    held: NDArray[np.bool_] | None = None,
+) -> Array:
+    """Return the step to the least of a quadratic form, within bounds.
+
+    What would leave its bounds is held there and the rest solved for anew: a direction
+    that hardly matters would else carry everything away with the one that is clipped.
+
+    Parameters
+    ----------
+    low, high
+        Of the step.
+    held
+        What does not move at all.
+    """
+    step = np.zeros(len(slope))
+    free = np.ones(len(slope), dtype=bool) if held is None else ~held
+    while free.any():
+        inner = hessian[np.ix_(free, free)]
+        rest = slope[free] - hessian[np.ix_(free, ~free)] @ step[~free]
+        step[free] = truncated_inverse(inner) @ rest
+        outside = free & ((step < low) | (step > high))
+        step = np.clip(step, low, high)
+        if not outside.any():
+            break
+        free &= ~outside
+    return step

@@ -19,11 +19,11 @@ from bondgraph.structure.domains import Quantity
 from bondgraph.structure.elements import OnePort, Resistance
 from bondgraph.structure.signals import e, effort, f, flow, q
 
-KNOTS = (-2.0, -1.0, -0.3, -0.03, 0.03, 0.3, 1.0, 2.0)
-"""Knots of a law of flow, in typical flows; close about zero, where friction turns."""
+TURNING = (-1.0, -0.3, -0.03, 0.03, 0.3, 1.0)
+"""Knots of a law of flow, in typical flows: close about zero, where friction turns."""
 
-EVEN_KNOTS = (-2.0, -1.2, -0.4, 0.4, 1.2, 2.0)
-"""Knots of a law of displacement, in typical displacements."""
+EVEN = 6
+"""Knots of any other law."""
 
 
 class UnknownRelation(AbstractPhysics):
@@ -36,23 +36,24 @@ class UnknownRelation(AbstractPhysics):
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield a curve of each local variable of a junction, two of an input."""
         if isinstance(place, OneJunctionPlace):
-            yield self._curve(place, f, F, place.flow, KNOTS)
+            yield self._curve(place, f, F, place.flow)
             if place.displacement_known:
-                yield self._curve(place, q, Q, place.displacement, EVEN_KNOTS)
+                yield self._curve(place, q, Q, place.displacement)
         elif isinstance(place, JunctionPlace):
-            yield self._curve(place, e, E, place.effort, EVEN_KNOTS)
+            yield self._curve(place, e, E, place.effort)
         elif isinstance(place, InputPlace):
             yield self._of_input(place)
             yield self._gain(place)
 
     def _of_input(self, place: InputPlace) -> Hypothesis:
         """Apply a free curve of what is commanded."""
-        size = place.constant("curve_input", place.channel_unit, place.peak / 2.0)
+        half = place.peak / 2.0
+        size = place.constant("curve_input", place.channel_unit, half)
+        knots = _even(place.scales.range_of(place.name, half), half)
         heights = tuple(
-            place.strength(f"curve_{i}", place.channel_unit)
-            for i in range(len(EVEN_KNOTS))
+            place.strength(f"curve_{i}", place.channel_unit) for i in range(len(knots))
         )
-        curve = _interpolation(place.signal / size.symbol, EVEN_KNOTS, heights)
+        curve = _interpolation(place.signal / size.symbol, knots, heights)
         law = place.signal + curve
         words = f"{place.name} acts along an unnamed curve of what is commanded"
         edit = place.become(law, *heights, size)
@@ -64,10 +65,9 @@ class UnknownRelation(AbstractPhysics):
         other = met(place.junction)
         unit, typical = place.unit(other.quantity), place.scales.of(other.name)
         size = place.constant("curve_met", unit, typical)
-        heights = tuple(
-            place.strength(f"gain_{i}", "1") for i in range(len(EVEN_KNOTS))
-        )
-        curve = _interpolation(other / size.symbol, EVEN_KNOTS, heights)
+        knots = _even(place.scales.range_of(other.name, typical), typical)
+        heights = tuple(place.strength(f"gain_{i}", "1") for i in range(len(knots)))
+        curve = _interpolation(other / size.symbol, knots, heights)
         law = place.signal * (1 + curve)
         words = f"{place.name} acts with a gain that changes with what it meets"
         edit = place.become(law, *heights, size)
@@ -79,9 +79,10 @@ class UnknownRelation(AbstractPhysics):
         variable: sympy.Symbol,
         quantity: Quantity,
         size: float,
-        knots: tuple[float, ...],
     ) -> Hypothesis:
         answer = E if isinstance(place, OneJunctionPlace) else F
+        visited = place.scales.range_of(f"{quantity}({place.name})", size)
+        knots = (_turning if quantity is F else _even)(visited, size)
         width = place.constant(f"curve_{quantity}", place.unit(quantity), size)
         unit = place.unit(answer)
         heights = tuple(place.strength(f"curve_{i}", unit) for i in range(len(knots)))
@@ -98,6 +99,23 @@ class UnknownRelation(AbstractPhysics):
         )
         edit = place.insert(element, *heights, width)
         return self.hypothesis(place, edit, law, heights, words)
+
+
+def _even(visited: tuple[float, float], size: float) -> tuple[float, ...]:
+    """Return knots over the range visited, in typical sizes.
+
+    Beyond it they would stand where nothing tells how high.
+    """
+    low, high = (end / size for end in visited)
+    return tuple(low + (high - low) * i / (EVEN - 1) for i in range(EVEN))
+
+
+def _turning(visited: tuple[float, float], size: float) -> tuple[float, ...]:
+    """Return knots close about zero where the flow turns, else even ones."""
+    low, high = (end / size for end in visited)
+    if not low < TURNING[0] < TURNING[-1] < high:
+        return _even(visited, size)
+    return (low, *TURNING, high)
 
 
 def _interpolation(

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bondgraph.diagnosis.search.candidates import Candidate, Rejected
+from bondgraph.diagnosis.search.candidates import CURVE, Candidate, Rejected
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.uncertainty import uncertainty
 
@@ -43,11 +43,15 @@ def determined(
 
 
 def _undetermined(candidate: Candidate) -> int:
-    """Return how many directions nothing determines, own strengths left aside."""
-    problem = candidate.fitted.problem
+    """Return how many directions nothing determines, own strengths left aside.
+
+    A free curve may share its slope with a law that is there already: what counts is
+    what both give together.
+    """
+    problem, hypothesis = candidate.fitted.problem, candidate.hypothesis
     names = [problem.model.parameter_names[i] for i in problem.free]
-    own = np.isin(names, candidate.hypothesis.strengths)
-    null = uncertainty(problem, candidate.fitted.optimum).null
-    return sum(
-        bool(np.abs(direction[~own]).max(initial=0.0) > TRACE) for direction in null
-    )
+    own = np.isin(names, hypothesis.strengths)
+    others = np.abs(uncertainty(problem, candidate.fitted.optimum).null)
+    alone = others[:, own].max(axis=1, initial=0.0) <= TRACE
+    mixed = others[:, ~own].max(axis=1, initial=0.0) > TRACE
+    return int((alone if hypothesis.physics == CURVE else mixed).sum())

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.search.surrogates import Baseline, orthonormal, sensitivities
-from bondgraph.fitting.problem import FitProblem, truncated_inverse
+from bondgraph.fitting.levenberg_marquardt import bounded_step
+from bondgraph.fitting.problem import FitProblem
 
 Array = NDArray[np.float64]
 OWN = 1e-5
@@ -54,7 +55,7 @@ def score_test(
     there = np.linalg.norm(columns, axis=0) > OWN * np.linalg.norm(whole, axis=0)
     columns, low, high = columns[:, there], low[there], high[there]
     residual = baseline.residual
-    step = _bounded(columns.T @ columns, columns.T @ residual, low, high)
+    step = bounded_step(columns.T @ columns, columns.T @ residual, low, high)
     left = residual - columns @ step
     power = max(float(residual @ residual), 1e-300)
     return Score(
@@ -75,19 +76,3 @@ def _chance(baseline: Baseline, columns: Array, low: Array, high: Array) -> Arra
         along = np.clip(along, None, np.inf if high[0] > 0.0 else 0.0)
     shares: Array = (along.astype(np.float64) ** 2).sum(axis=0)
     return shares
-
-
-def _bounded(curvature: Array, score: Array, low: Array, high: Array) -> Array:
-    """Return the best step within bounds; what would leave them is held at them."""
-    step = np.zeros(len(score))
-    free = np.ones(len(score), dtype=bool)
-    while free.any():
-        inner = curvature[np.ix_(free, free)]
-        rest = score[free] - curvature[np.ix_(free, ~free)] @ step[~free]
-        step[free] = truncated_inverse(inner) @ rest
-        outside = (step < low) | (step > high)
-        if not outside.any():
-            break
-        step = np.clip(step, low, high)
-        free &= ~outside
-    return step
