@@ -43,12 +43,13 @@ def strongest(
         drawn = draw(noise, min(BATCH, draws - first), random)
         plain = np.concatenate([plain, nuisances[0].remove(drawn)], axis=1)
         fine = np.concatenate([fine, nuisances[1].remove(drawn)], axis=1)
+    powers = [np.sum(rows**2, axis=0) for rows in (plain, fine)]
     found: list[Dependence] = []
     most = np.zeros((2, draws + 1))
     for family in families(fitted, chain):
-        as_it_is, _ = _shares(nuisances[0], family, plain)
+        as_it_is, _ = _shares(nuisances[0], family, plain, powers[0])
         most[0] = np.maximum(most[0], -np.log1p(-as_it_is))
-        share, m = _shares(nuisances[1], family, fine)
+        share, m = _shares(nuisances[1], family, fine, powers[1])
         chance = _chance(share, m, len(fine) - nuisances[1].freedom)
         most[1] = np.maximum(most[1], -np.log(chance))
         found.append(
@@ -69,13 +70,14 @@ def strongest(
     return found, float(np.sum(better <= better[0])) / len(better)
 
 
-def _shares(nuisance: Nuisance, family: Family, rows: Array) -> tuple[Array, int]:
+def _shares(
+    nuisance: Nuisance, family: Family, rows: Array, power: Array
+) -> tuple[Array, int]:
     """Return which share of each column of `rows` a family explains, and its size."""
     basis = span(nuisance.remove(family.columns))
     m = int(basis.shape[1])
     if m == 0 or len(rows) - nuisance.freedom < 2 * m:
         return np.zeros(rows.shape[1]), 0
-    power = np.sum(rows**2, axis=0)
     share = np.sum((basis.T @ rows) ** 2, axis=0) / np.where(power > 0.0, power, 1.0)
     return np.minimum(share, 1.0 - 1e-15), m
 

@@ -53,13 +53,26 @@ def finely_stepped(fitted: FittedModel, noise: Array) -> FittedModel:
         solver = fitted.problem.solver
         if solver.substeps >= MOST_SUBSTEPS:
             break
-        fitted = restepped(fitted, replace(solver, substeps=2 * solver.substeps))
+        finer = replace(solver, substeps=2 * solver.substeps)
+        fitted = simulated_as(fitted, finer, fitted.problem.hold)
     return fitted
 
 
-def restepped(fitted: FittedModel, solver: Solver) -> FittedModel:
-    """Return the model fitted anew, from where it was, with another solver."""
-    problem = replace(fitted.problem, solver=solver)
+def held_as_fits(fitted: FittedModel) -> FittedModel:
+    """Return the model with inputs held or joined, as fits better from where it is.
+
+    What a base model leaves hides a difference that shows once it has been explained.
+    """
+    if not fitted.problem.model.input_names or not fitted.problem.model.n_states:
+        return fitted
+    other = Hold.ZERO if fitted.problem.hold is Hold.FIRST else Hold.FIRST
+    rival = simulated_as(fitted, fitted.problem.solver, other)
+    return rival if rival.optimum.cost < FITS_BETTER * fitted.optimum.cost else fitted
+
+
+def simulated_as(fitted: FittedModel, solver: Solver, hold: Hold) -> FittedModel:
+    """Return the model fitted anew, from where it was, with other steps or inputs."""
+    problem = replace(fitted.problem, solver=solver, hold=hold)
     optimum = minimise(
         problem, fitted.optimum.theta, fitted.optimum.initial, iterations=ITERATIONS
     )

@@ -17,7 +17,11 @@ from bondgraph.diagnosis.evidence.decision import Judged, Rule
 from bondgraph.diagnosis.evidence.judging import judge_all
 from bondgraph.diagnosis.evidence.left_out import MOST_CHUNKS
 from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.between_samples import finely_stepped, restepped
+from bondgraph.diagnosis.search.between_samples import (
+    finely_stepped,
+    held_as_fits,
+    simulated_as,
+)
 from bondgraph.diagnosis.search.candidates import (
     CURVE,
     Promised,
@@ -160,8 +164,11 @@ def search(
         left = pruned(base, current, candidate.fitted, added, options.rule)
         rounds.append(replace(found, removed=left.removed))
         current, added = finely_stepped(left.fitted, noise), left.kept
-        if current.problem.solver != base.problem.solver:
-            base = restepped(base, current.problem.solver)
+        if options.either_hold:
+            current = held_as_fits(current)
+        now = current.problem
+        if (now.solver, now.hold) != (base.problem.solver, base.problem.hold):
+            base = simulated_as(base, now.solver, now.hold)
 
 
 def within(fitted: FittedModel, noise: Array, rule: Rule) -> bool:

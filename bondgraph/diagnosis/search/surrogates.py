@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.problem import FitProblem, parts
-from bondgraph.simulation.solvers import RungeKutta4
 
 Array = NDArray[np.float64]
 DRAWS = 399
@@ -46,11 +45,8 @@ class Baseline:
         Slopes need not be so exact as the residual: the same steps for the base model's
         and for what is added let the errors of both cancel.
         """
-        problem = self.fitted.problem
-        if isinstance(problem.solver, RungeKutta4):
-            return self.fitted
-        solver = replace(problem.solver, substeps=1)
-        return replace(self.fitted, problem=replace(problem, solver=solver))
+        fitted, solver = self.fitted, replace(self.fitted.problem.solver, substeps=1)
+        return replace(fitted, problem=replace(fitted.problem, solver=solver))
 
     @cached_property
     def _jacobian(self) -> Array:

@@ -170,7 +170,9 @@ class Place(ABC):
 
     def name_of(self, stem: str) -> str:
         """Return a name for `stem` at this place that the graph does not use yet."""
-        taken = {*self.graph.by_name, *self.graph.parameters}
+        # A chain of signal states is called by what all their names begin with.
+        chains = {node.removesuffix("_1_node") for node in self.graph.by_name}
+        taken = {*self.graph.by_name, *self.graph.parameters, *chains}
         name = f"{stem}_{self.name}"
         while name in taken:
             name += "_2"
