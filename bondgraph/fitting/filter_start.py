@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.errors import FitError, did_you_mean
-from bondgraph.fitting.filtering import Filtered, Setting, Unknowns, filtered
+from bondgraph.fitting.filter_setting import Filtered, Setting, Unknowns
+from bondgraph.fitting.filtering import filtered
 from bondgraph.fitting.growing import cut_finer
 from bondgraph.fitting.horizon import SHORTEST, WholeRecordings, cut
+from bondgraph.fitting.kalman_choices import KalmanFilter
 from bondgraph.fitting.levenberg_marquardt import minimise, settle
 from bondgraph.fitting.posing import pose, prepare
 from bondgraph.fitting.problem import FitProblem, Linearisation
@@ -29,6 +31,7 @@ def filter_starts(
     recordings: Sequence[BoundRecording],
     shaken: Sequence[str] | None,
     settings: FitSettings,
+    kalman: KalmanFilter,
 ) -> tuple[Setting, Setting]:
     """Return two places to start: a fit of short windows, and the model's own values.
 
@@ -62,12 +65,13 @@ def filter_starts(
     warm = minimise(short, theta, first_guess(short, theta), iterations=15)
     own, at = settle(short, theta, first_guess(short, theta))
     shaken_states = np.array(index, dtype=np.int64)
-    return (
+    begun = (
         _setting(
             problem, short, warm.theta, warm.initial, warm.linearisation, shaken_states
         ),
         _setting(problem, short, theta, own, at, shaken_states),
     )
+    return replace(begun[0], kalman=kalman), replace(begun[1], kalman=kalman)
 
 
 def _setting(

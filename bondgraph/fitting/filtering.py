@@ -3,94 +3,52 @@
 The transitions between samples and their exact slopes come from all samples simulated
 at once, each from the state that the filter last estimated there; filter and simulation
 take turns until these states stand still (the iterated extended Kalman filter, Bell and
-Cathey, IEEE Trans. Autom. Control 38, 1993).
+Cathey, IEEE Trans. Autom. Control 38, 1993). The unscented one is in `point_filter`.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.fitting.filter_setting import (
+    Filtered,
+    Setting,
+    Unknowns,
+    process_of,
+    starts_of,
+)
 from bondgraph.fitting.growing import cut_finer
 from bondgraph.fitting.horizon import SHORTEST
+from bondgraph.fitting.kalman_choices import Extended, Unscented
 from bondgraph.fitting.levenberg_marquardt import settle
-from bondgraph.fitting.multiple_shooting import with_states_read
-from bondgraph.fitting.problem import FitProblem
+from bondgraph.fitting.point_filter import filtered_by_points
 from bondgraph.fitting.solving import first_guess
-from bondgraph.simulation.shooting import Shots, shoot
+from bondgraph.numeric.states_read import with_states_read
+from bondgraph.simulation.shooting import shoot
 
 Array = NDArray[np.float64]
 TURNS = 6
 STILL = 1e-6
 
 
-@dataclass(frozen=True, slots=True)
-class Filtered:
-    """Innovations, their variances, (n, ny), and the filtered states, (n, nx)."""
-
-    innovations: Array
-    variances: Array
-    states: Array
-
-    @property
-    def loss(self) -> float:
-        """Minus the log-likelihood, without its constant."""
-        if not (self.variances > 0.0).all():
-            return math.inf
-        terms = np.log(self.variances) + self.innovations**2 / self.variances
-        total = 0.5 * float(terms.sum())
-        return total if math.isfinite(total) else math.inf
-
-
-@dataclass(frozen=True, slots=True)
-class Unknowns:
-    """Parameters, and logarithms of the two kinds of noise."""
-
-    theta: Array
-    process: Array
-    noise: Array
-
-    def stacked(self) -> Array:
-        """Return all numbers in one array."""
-        return np.concatenate([self.theta, self.process, self.noise])
-
-    def moved(self, step: Array) -> "Unknowns":
-        """Return them after a step."""
-        a = len(self.theta)
-        b = a + len(self.process)
-        return Unknowns(
-            self.theta + step[:a], self.process + step[a:b], self.noise + step[b:]
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class Setting:
-    """What stays the same during the fit.
+def filtered(setting: Setting, at: Unknowns, near: Filtered | None) -> Filtered:
+    """Filter and simulate by turns until the states stand still.
 
     Parameters
     ----------
-    pairs
-        Every sample with the next one, as windows of their own.
-    shaken
-        Indices of the states that a disturbance moves.
-    initial, spread
-        Where each recording starts, and its variances.
-    scale
-        The size of each state, (nx,).
+    near
+        What was found at unknowns close by.
     """
-
-    problem: FitProblem
-    pairs: Shots
-    shaken: NDArray[np.int64]
-    initial: Array
-    spread: Array
-    scale: Array
-
-
-def filtered(setting: Setting, at: Unknowns, near: Array | None) -> Filtered:
-    """Filter and simulate by turns until the states stand still."""
-    states = _first_states(setting) if near is None else near
+    if isinstance(setting.kalman, Unscented):
+        begun = near
+        if begun is None or begun.beliefs is None:
+            begun = filtered(replace(setting, kalman=Extended()), at, near)
+        if not math.isfinite(begun.loss):
+            return begun
+        return filtered_by_points(setting, setting.kalman, at, begun)
+    states = _first_states(setting) if near is None else near.states
     for _ in range(TURNS):
         found = _once(setting, at, states)
         if not math.isfinite(found.loss):
@@ -127,10 +85,6 @@ def _once(setting: Setting, at: Unknowns, around: Array) -> Filtered:
     )
     ny, nx = len(problem.sigma), problem.model.n_states
     first, after = np.array(pairs.edges[:-1]), np.array(pairs.edges[1:]) - 1
-    starts = np.zeros(len(first), dtype=np.int64)
-    starts[list(problem.shots.edges[:-1])] = 1
-    process = np.zeros(nx)
-    process[setting.shaken] = np.exp(2.0 * at.process)
     n = len(first)
     innovations, variances = np.zeros((n, ny)), np.ones((n, ny))
     states = np.zeros((n, nx))
@@ -142,10 +96,10 @@ def _once(setting: Setting, at: Unknowns, around: Array) -> Filtered:
         np.ascontiguousarray(shot.sensitivities[after, ny:]),
         np.ascontiguousarray(around),
         pairs.time[after] - pairs.time[first],
-        starts,
+        starts_of(setting),
         setting.initial,
         setting.spread,
-        process,
+        process_of(setting, at),
         np.exp(2.0 * at.noise),
         innovations,
         variances,

@@ -1,7 +1,7 @@
 """Fits by one-step prediction: for machines that are shaken, not only badly measured.
 
 A disturbance inside the machine moves its state for good; a simulation from the start
-cannot follow, and its error is coloured by the whole machine. An extended Kalman filter
+cannot follow, and its error is coloured by the whole machine. A Kalman filter
 carries the state along with the measurements instead, and the parameters, the
 intensities of the process noise and the measurement noise maximise the likelihood of
 its innovations. In closed loop, where the input follows the disturbance, this is what
@@ -19,8 +19,9 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.fitting.filter_setting import Setting
 from bondgraph.fitting.filter_start import best_noise, filter_starts
-from bondgraph.fitting.filtering import Setting
+from bondgraph.fitting.kalman_choices import Extended, KalmanFilter
 from bondgraph.fitting.problem import FitProblem, truncated_inverse
 from bondgraph.fitting.result import Estimate
 from bondgraph.fitting.scoring import Climbed, climb
@@ -79,6 +80,7 @@ def fit_innovations(
     *,
     shaken: Sequence[str] | None = None,
     settings: FitSettings | None = None,
+    kalman: KalmanFilter | None = None,
 ) -> InnovationFit:
     """Fit parameters and noise by the likelihood of one-step predictions.
 
@@ -91,6 +93,9 @@ def fit_innovations(
     shaken
         Names of the states that a disturbance moves; all momenta and, where there are
         none, all states by default.
+    kalman
+        ``Extended()`` by default; ``Unscented()`` where laws bend within the spread of
+        the estimate.
 
     Raises
     ------
@@ -99,7 +104,7 @@ def fit_innovations(
         `shaken` is no state.
     """
     chosen = FitSettings() if settings is None else settings
-    tried = filter_starts(graph, recordings, shaken, chosen)
+    tried = filter_starts(graph, recordings, shaken, chosen, kalman or Extended())
     found = [(setting, best_noise(setting)) for setting in tried]
     able = [(setting, start) for setting, start in found if start is not None]
     if not able:

@@ -21,7 +21,7 @@ from bondgraph.fitting.growing import cut_finer, held_weakly
 from bondgraph.fitting.levenberg_marquardt import settle
 from bondgraph.fitting.problem import FitProblem, parts, prior_residuals
 from bondgraph.fitting.strategy import MultipleShooting
-from bondgraph.numeric.model import NumericModel
+from bondgraph.numeric.states_read import with_states_read
 from bondgraph.simulation.shooting import Shots
 
 Array = NDArray[np.float64]
@@ -56,21 +56,6 @@ class _Joined:
     problem: FitProblem
     scale: Array
     follows: NDArray[np.bool_]
-
-
-def with_states_read(model: NumericModel) -> NumericModel:
-    """Return the model with its states as further outputs, after its own."""
-    tape = model.output
-    return replace(
-        model,
-        output=replace(
-            tape,
-            outputs=np.concatenate([tape.outputs, np.arange(model.n_states)]),
-            degree=np.concatenate([tape.degree, np.zeros(model.n_states, np.int64)]),
-        ),
-        output_names=(*model.output_names, *model.state_names),
-        output_units=(*model.output_units, *("1",) * model.n_states),
-    )
 
 
 def shoot_multiply(

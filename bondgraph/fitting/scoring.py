@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.filtering import Filtered, Setting, Unknowns, filtered
+from bondgraph.fitting.filter_setting import Filtered, Setting, Unknowns
+from bondgraph.fitting.filtering import filtered
 from bondgraph.fitting.problem import FitProblem, truncated_inverse
 
 Array = NDArray[np.float64]
@@ -32,7 +33,7 @@ def climb(setting: Setting, at: Unknowns, here: Filtered) -> Climbed:
         raised = information + damping * np.diag(np.diag(information))
         step = truncated_inverse(raised, 1e-12) @ slope
         trial = _bounded(setting.problem, at.moved(_short(at, step)))
-        new = filtered(setting, trial, here.states)
+        new = filtered(setting, trial, here)
         gain = here.loss - new.loss
         if gain > 0.0:
             at, here, damping = trial, new, damping / 10.0
@@ -71,8 +72,8 @@ def _information(setting: Setting, at: Unknowns, here: Filtered) -> tuple[Array,
     for i in range(len(values)):
         step = np.zeros(len(values))
         step[i] = DIFFERENCE * size[i]
-        after = filtered(setting, at.moved(step), here.states)
-        before = filtered(setting, at.moved(-step), here.states)
+        after = filtered(setting, at.moved(step), here)
+        before = filtered(setting, at.moved(-step), here)
         width = 2.0 * step[i]
         root = np.sqrt(here.variances)
         errors.append(((after.innovations - before.innovations) / width / root).ravel())
