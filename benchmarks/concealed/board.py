@@ -136,7 +136,7 @@ def power(scored: Sequence[Scored]) -> list[dict[str, Any]]:
     return rows
 
 
-PROBABILITIES = (0.0, 0.5, 0.8, 0.95, 0.99, 1.0 + 1e-12)
+PROBABILITIES = (0.0, 0.5, 0.8, 0.95, 1.0 + 1e-12)
 
 
 def calibration(scored: Sequence[Scored]) -> dict[str, Any]:

@@ -71,7 +71,8 @@ def _reliability(axes: Any, numbers: Mapping[str, Any]) -> None:
     rows = [r for r in numbers["calibration"]["rows"] if r["right"]["trials"]]
     axes.plot([0, 1], [0, 1], color=GREY, linewidth=1, label="calibrated")
     stated = [row["stated"] for row in rows]
-    _bars(axes, stated, [r["right"] for r in rows], color=BLUE, label="findings")
+    right = [row["right"] for row in rows]
+    _bars(axes, stated, right, color=BLUE, label="findings", linestyle="none")
     for row in rows:
         axes.annotate(
             str(row["right"]["trials"]),

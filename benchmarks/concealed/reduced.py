@@ -2,8 +2,8 @@
 
 Chosen by kind before any of them was diagnosed: three that conceal nothing, five plain
 effects on different machines, and one outside of the library. Recordings are short, so
-that all takes about a minute and a half of one core; the effects are strong, so that a
-miss means something. It is a guard and no measure: the full list is that.
+that all takes about three minutes of one core; the effects are strong, so that a miss
+means something. It is a guard and no measure: the full list is that.
 """
 
 from dataclasses import dataclass, replace
