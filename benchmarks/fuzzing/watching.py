@@ -10,12 +10,17 @@ import resource
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from selectors import EVENT_READ, DefaultSelector
 from typing import Any
 
 LIMIT = 60.0
-"""Seconds for one trial, while others use the machine too."""
+"""Seconds of processor time for one trial, the start of its process included."""
+
+WAITING = 20.0
+"""Seconds on the wall per second of processor time: others use the machine too."""
 
 MEMORY = 4 << 30
 """Bytes of address space of a worker; numba and its libraries take one of them."""
@@ -34,7 +39,7 @@ def watched(
             [*command, str(at), str(end - at)], stdout=subprocess.PIPE
         ) as worker:
             assert worker.stdout is not None
-            for line in _lines(worker.stdout.fileno(), limit):
+            for line in _lines(worker, limit):
                 yield line
                 at += 1
             if at < end:
@@ -46,17 +51,35 @@ def watched(
                 at += 1
 
 
-def _lines(pipe: int, limit: float) -> Iterator[Line]:
-    """Yield JSON lines from a pipe until it ends or nothing comes for too long."""
-    left = b""
+def _lines(worker: "subprocess.Popen[bytes]", limit: float) -> Iterator[Line]:
+    """Yield a worker's JSON lines until it ends or one takes it too long."""
+    assert worker.stdout is not None
+    pipe, left = worker.stdout.fileno(), b""
+    used, seen = 0.0, time.monotonic()
     with DefaultSelector() as selector:
         selector.register(pipe, EVENT_READ)
-        while selector.select(limit):
-            more = os.read(pipe, 1 << 16)
-            if not more:
+        while True:
+            if selector.select(min(limit, 1.0)):
+                more = os.read(pipe, 1 << 16)
+                if not more:
+                    return
+                *lines, left = (left + more).split(b"\n")
+                yield from map(json.loads, lines)
+                used, seen = _processor_time(worker.pid), time.monotonic()
+                continue
+            worked = _processor_time(worker.pid) - used
+            if worked > limit or time.monotonic() - seen > WAITING * limit:
                 return
-            *lines, left = (left + more).split(b"\n")
-            yield from map(json.loads, lines)
+
+
+def _processor_time(pid: int) -> float:
+    """Return the seconds that a process and the children it waited for have used."""
+    try:
+        stat = Path(f"/proc/{pid}/stat").read_text()
+    except FileNotFoundError:
+        return 0.0
+    ticks = stat.rpartition(")")[2].split()[11:15]
+    return sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK")
 
 
 def work(trial: Callable[[int], Line], first: int, count: int) -> None:
