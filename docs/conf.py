@@ -12,7 +12,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
-from bookmaking import links, mathml, reference, writing  # noqa: E402
+from bookmaking import links, mathml, notebooks, reference, writing  # noqa: E402
 
 import bondgraph  # noqa: E402
 
@@ -74,4 +74,5 @@ def setup(app):  # type: ignore[no-untyped-def]
     mathml.register(app)
     app.connect("autodoc-process-docstring", reference.escape_bars)
     app.connect("doctree-read", links.name_files_outside)
+    app.connect("doctree-read", notebooks.read_as_ipython)
     app.connect("config-inited", lambda app, config: writing.write_all(HERE))
