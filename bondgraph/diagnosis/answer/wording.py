@@ -99,13 +99,23 @@ def next_experiment(
         close = others.get(finding.element, ())
         advice += _separate_laws(finding, close)
         if finding.indistinguishable_places:
-            places = " and ".join((finding.place, *finding.indistinguishable_places))
-            effort = base.graph.domain_at(finding.place).effort
-            advice.append(
-                f"To tell {places} apart, measure the {effort} on a bond between them; "
-                "no motion sensor can while they move together."
-            )
+            alike = (finding.place, *finding.indistinguishable_places)
+            advice.append(_separate_places(alike, base))
     return " ".join(dict.fromkeys(advice))
+
+
+def _separate_places(alike: Sequence[str], base: FittedModel) -> str:
+    sensors = [name for name in alike if not base.graph.has_place(name)]
+    if sensors:
+        return (
+            f"To tell {' and '.join(alike)} apart, compare {_or(sensors)} with a "
+            "reference that is known to read right."
+        )
+    effort = base.graph.domain_at(alike[0]).effort
+    return (
+        f"To tell {' and '.join(alike)} apart, measure the {effort} on a bond between "
+        "them; no motion sensor can while they move together."
+    )
 
 
 def _separate_laws(finding: Finding, close: Sequence[Judged]) -> list[str]:
