@@ -80,7 +80,7 @@ def answer(
     if session.loudness is not Loudness.QUIET:
         session.say("\n".join(_told(session, diagnosis)))
     if html is not None:
-        session.write(html, report_html(diagnosis))
+        session.write(html, report_html(diagnosis, command=session.command))
     session.deliver(json_file, diagnosis_to_dict(diagnosis))
     return diagnosis
 

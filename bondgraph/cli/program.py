@@ -7,6 +7,7 @@ not wait for the libraries that only some commands need.
 """
 
 import importlib
+import shlex
 import sys
 import traceback
 from collections.abc import MutableMapping, Sequence
@@ -90,6 +91,7 @@ class Program(click.Group):
         """Run the program and exit with its status."""
         session = Session()
         words = sys.argv[1:] if args is None else list(args)
+        session.command = shlex.join(["bondgraph", *words])
         options: MutableMapping[str, Any] = {**extra, "obj": session}
         options["standalone_mode"] = False
         try:

@@ -54,6 +54,8 @@ class Session:
     resumes
         Says how work that is interrupted now can be gone on with; empty where nothing
         is kept.
+    command
+        The command line of this call, for a page that says how it was made.
     """
 
     def __init__(self) -> None:
@@ -61,6 +63,7 @@ class Session:
         self.loudness = Loudness.NORMAL
         self.colour = Colour.AUTO
         self.resumes: Callable[[], str] = str
+        self.command = ""
         self._silent = False
         self._written: list[str] = []
 
