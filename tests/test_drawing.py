@@ -21,7 +21,7 @@ from click.testing import CliRunner
 from bondgraph.causality.assignment import assign_causality
 from bondgraph.cli.program import program
 from bondgraph.errors import BondGraphError, CausalConflictError, StructureError
-from bondgraph.notebook import _graph as in_a_notebook
+from bondgraph.notebook.pictures import finished_html as in_a_notebook
 from bondgraph.reporting.drawing import (
     BondLabels,
     Colouring,
