@@ -14,6 +14,11 @@ from bondgraph.diagnosis.search.candidates import CURVE, Candidate, Rejected
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.uncertainty import uncertainty
 
+AT_ONCE = "the time it would take to answer is not told from none"
+
+LEAST = 1.05
+"""A time within this factor of its lower bound is at it."""
+
 TRACE = 1e-3
 """A smaller share in a direction is none."""
 
@@ -37,6 +42,8 @@ def determined(
     for candidate in candidates:
         if _undetermined(candidate) > known:
             others.append(Rejected(candidate.hypothesis, REASON))
+        elif _without_memory(candidate):
+            others.append(Rejected(candidate.hypothesis, AT_ONCE))
         else:
             kept.append(candidate)
     return kept, tuple(others)
@@ -55,3 +62,20 @@ def _undetermined(candidate: Candidate) -> int:
     alone = others[:, own].max(axis=1, initial=0.0) <= TRACE
     mixed = others[:, ~own].max(axis=1, initial=0.0) > TRACE
     return int((alone if hypothesis.physics == CURVE else mixed).sum())
+
+
+def _without_memory(candidate: Candidate) -> bool:
+    """Return whether a time of the law is as short as it may be, or hardly known.
+
+    A law that answers at once is another law, for which memory is only a disguise.
+    """
+    fitted, own = candidate.fitted, candidate.hypothesis.parameters
+    problem, stds = fitted.problem, uncertainty(fitted.problem, fitted.optimum).std
+    for k, i in enumerate(problem.free):
+        name = problem.model.parameter_names[i]
+        if name in own and fitted.graph.parameters[name].unit == "s":
+            value = float(fitted.optimum.theta[k])
+            short = value <= LEAST * float(problem.low[i])
+            if short or not stds[k] <= abs(value):
+                return True
+    return False
