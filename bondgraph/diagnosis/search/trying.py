@@ -34,6 +34,8 @@ from bondgraph.physics.hypothesis import Hypothesis
 Array = NDArray[np.float64]
 PROMISE_ITERATIONS = 5
 SHORT_ITERATIONS = 5
+LONGER = 15
+"""A short fit that has not kept its promise goes on for so many."""
 FULL_ITERATIONS = 30
 SETTLE_ITERATIONS = 4
 TOLERANCE = 1e-4
@@ -149,6 +151,16 @@ def _best(
             best = found
         if best.cost <= (1.0 - trial.enough) * base.optimum.cost:
             break
+    else:
+        if best is not None and trial.enough < 1.0 and not best.converged:
+            best = minimise(
+                problem,
+                best.theta,
+                best.initial,
+                iterations=LONGER,
+                tolerance=TOLERANCE,
+                settled=best.linearisation,
+            )
     if best is None or not np.isfinite(best.cost):
         name = f"{trial.hypothesis.physics} at {trial.hypothesis.place}"
         raise BondGraphError(f"{name} could not be simulated.", (name,))
