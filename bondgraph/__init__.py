@@ -72,7 +72,11 @@ _HOME = {
     "bondgraph.fitting.result": ("FitResult", "FitStatus"),
     "bondgraph.fitting.simulate": ("Solution", "SolveStatus", "simulate"),
     "bondgraph.diagnosis.diagnose": ("Options", "diagnose"),
-    "bondgraph.diagnosis.records": ("Diagnosis", "Verdict"),
+    "bondgraph.diagnosis.records": (
+        "Diagnosis",
+        "Verdict",
+        "LawCurve",
+    ),
     "bondgraph.reporting.drawing": (
         "draw_png",
         "Colouring",
@@ -85,7 +89,10 @@ _HOME = {
     "bondgraph.reporting.report": ("report_html", "write_report"),
     "bondgraph.checking.run": ("run_checks",),
     "bondgraph.loading": ("load_model",),
-    "bondgraph.notebook": ("load_ipython_extension",),
+    "bondgraph.notebook": (
+        "load_ipython_extension",
+        "as_html",
+    ),
     "bondgraph.equations.energy": (
         "energy",
         "EnergyBalance",
@@ -344,6 +351,17 @@ _HOME = {
         "Experiment",
         "ExperimentStatus",
     ),
+    "bondgraph.structure.hard_contact": ("hard_contact",),
+    "bondgraph.fitting.kalman_choices": (
+        "Extended",
+        "Unscented",
+    ),
+    "bondgraph.physics.descriptions": (
+        "Confusion",
+        "Description",
+        "describe",
+    ),
+    "bondgraph.progress": ("shown_progress",),
 }
 _WHERE = {name: home for home, names in _HOME.items() for name in names}
 
@@ -370,6 +388,7 @@ if TYPE_CHECKING:
     from bondgraph.diagnosis.location.records import LocationStatus as LocationStatus
     from bondgraph.diagnosis.location.records import PlaceEvidence as PlaceEvidence
     from bondgraph.diagnosis.records import Diagnosis as Diagnosis
+    from bondgraph.diagnosis.records import LawCurve as LawCurve
     from bondgraph.diagnosis.records import Verdict as Verdict
     from bondgraph.diagnosis.separability.records import Separability as Separability
     from bondgraph.diagnosis.separability.records import (
@@ -419,6 +438,8 @@ if TYPE_CHECKING:
     from bondgraph.fitting.innovations import InnovationFit as InnovationFit
     from bondgraph.fitting.innovations import InnovationStatus as InnovationStatus
     from bondgraph.fitting.innovations import fit_innovations as fit_innovations
+    from bondgraph.fitting.kalman_choices import Extended as Extended
+    from bondgraph.fitting.kalman_choices import Unscented as Unscented
     from bondgraph.fitting.loss import Huber as Huber
     from bondgraph.fitting.loss import SquaredError as SquaredError
     from bondgraph.fitting.loss import StudentT as StudentT
@@ -535,6 +556,7 @@ if TYPE_CHECKING:
         ControllerStructure as ControllerStructure,
     )
     from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain as ZeroPoleGain
+    from bondgraph.notebook import as_html as as_html
     from bondgraph.notebook import load_ipython_extension as load_ipython_extension
     from bondgraph.numeric.implicit.matrices import (
         ImplicitStateSpace as ImplicitStateSpace,
@@ -553,6 +575,9 @@ if TYPE_CHECKING:
         transfer_function_to_control as transfer_function_to_control,
     )
     from bondgraph.numeric.steady_state import steady_state as steady_state
+    from bondgraph.physics.descriptions import Confusion as Confusion
+    from bondgraph.physics.descriptions import Description as Description
+    from bondgraph.physics.descriptions import describe as describe
     from bondgraph.physics.hypothesis import AbstractPhysics as AbstractPhysics
     from bondgraph.physics.hypothesis import Hypothesis as Hypothesis
     from bondgraph.physics.hypothesis import Passivity as Passivity
@@ -568,6 +593,7 @@ if TYPE_CHECKING:
     from bondgraph.physics.places.junction import ZeroJunctionPlace as ZeroJunctionPlace
     from bondgraph.physics.places.pair import PairPlace as PairPlace
     from bondgraph.physics.places.scales import Scales as Scales
+    from bondgraph.progress import shown_progress as shown_progress
     from bondgraph.reconciliation.published import PublishedResult as PublishedResult
     from bondgraph.reconciliation.published import as_printed as as_printed
     from bondgraph.reconciliation.reconcile import reconcile as reconcile
@@ -678,6 +704,7 @@ if TYPE_CHECKING:
     from bondgraph.structure.graph import CausalPreference as CausalPreference
     from bondgraph.structure.graph import FinishedGraph as FinishedGraph
     from bondgraph.structure.graph import Wanted as Wanted
+    from bondgraph.structure.hard_contact import hard_contact as hard_contact
     from bondgraph.structure.parameters import Assumed as Assumed
     from bondgraph.structure.parameters import Fitted as Fitted
     from bondgraph.structure.parameters import Measured as Measured

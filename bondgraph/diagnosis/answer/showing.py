@@ -125,7 +125,8 @@ def recovered_law(
         return None
     if not isinstance(hypothesis.edit, InsertElement):
         return None
-    values = final.values
+    # What a later round took out again is only in the model of this one.
+    values = {**base.values, **final.values}
     graph = base.graph.with_parameters(
         {name: values[name] for name in base.graph.parameters if name in values}
     )
