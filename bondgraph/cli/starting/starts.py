@@ -173,8 +173,9 @@ Open `report.html` afterwards.
 To make it yours: record the inputs and outputs of your machine in a CSV with a header
 such as `{",".join(start.columns(1, 1))}`, draw it in `{start.name}.py`, and map the
 columns in `{READING}`. `--hold zero` says that the input keeps its value between two
-samples, as a converter's output does; leave it out where it does not. Move the machine in both directions, fast and slow, through the
-whole range; what no recording excites, no diagnosis can see.
+samples, as a converter's output does; leave it out where it does not. Move the machine
+in both directions, fast and slow, through the whole range; what no recording excites,
+no diagnosis can see.
 
 The recordings here come from a simulated machine. It has one thing that the model lacks
 (at `{start.place}`): {start.hidden}. `bondgraph diagnose` should find it.
