@@ -13,9 +13,9 @@ from bondgraph.fitting.problem import (
     FitProblem,
     Linearisation,
     linearise_windows,
-    prior_residuals,
     truncated_inverse,
 )
+from bondgraph.fitting.steps import Step, damped, next_step, total_cost
 
 Array = NDArray[np.float64]
 RELATIVE_DECREASE = 1e-6
@@ -51,19 +51,6 @@ class Optimum:
     converged: bool
 
 
-@dataclass(frozen=True, slots=True)
-class _Step:
-    """A step with the cost of every window, and the decrease of the sum, it promises.
-
-    Both are those of the linearised problem.
-    """
-
-    theta: Array
-    initial: Array
-    promised: Array
-    decrease: float
-
-
 def settle(
     problem: FitProblem, theta: Array, initial: Array, iterations: int = 12
 ) -> tuple[Array, Linearisation]:
@@ -81,7 +68,7 @@ def settle(
     damping = np.full(len(best.cost), 1e-6)
     active = np.isfinite(best.cost)
     for _ in range(iterations):
-        inverse = truncated_inverse(_damped(best.hessian[:, nq:, nq:], damping))
+        inverse = truncated_inverse(damped(best.hessian[:, nq:, nq:], damping))
         move = np.einsum("wij,wj->wi", inverse, best.slope[:, nq:])
         promised = np.einsum("wi,wi->w", best.slope[:, nq:], move)
         active &= promised > SETTLED * best.cost
@@ -99,13 +86,6 @@ def settle(
         if not active.any():
             break
     return initial, best
-
-
-def _damped(hessian: Array, damping: Array | float) -> Array:
-    """Return the matrices with their diagonals raised by the factor 1 + damping."""
-    diagonal = np.einsum("wii->wi", hessian) * np.reshape(damping, (-1, 1))
-    raised: Array = hessian + diagonal[:, :, None] * np.eye(hessian.shape[-1])
-    return raised
 
 
 def _choose(
@@ -126,8 +106,8 @@ def _choose(
 
 
 def _repair(
-    problem: FitProblem, step: _Step, new: Linearisation, initial: Array, old: Array
-) -> tuple[_Step, Linearisation]:
+    problem: FitProblem, step: Step, new: Linearisation, initial: Array, old: Array
+) -> tuple[Step, Linearisation]:
     """Settle the windows that a step made worse than promised, from where they were.
 
     One window in which friction sticks where it slid would otherwise refuse a step that
@@ -194,7 +174,7 @@ def minimise(
     share = min(RELATIVE_DECREASE, told) if tolerance is None else tolerance
     damping, small, done = 1e-4, 0, 0
     for done in range(1, iterations + 1):
-        step = _step(problem, here, theta, initial, damping)
+        step = next_step(problem, here, theta, initial, damping)
         near = 0.0 <= step.decrease <= EXACT * share * cost
         if near and damping <= GAUSS_NEWTON and np.isfinite(cost):
             return Optimum(theta, initial, here, cost, done, converged=True)
@@ -217,122 +197,3 @@ def minimise(
                 finite = bool(np.isfinite(cost))
                 return Optimum(theta, initial, here, cost, done, converged=finite)
     return Optimum(theta, initial, here, cost, done, converged=False)
-
-
-def total_cost(problem: FitProblem, at: Linearisation, theta: Array) -> float:
-    """Return the cost of all windows and of what is known beforehand."""
-    prior, _ = prior_residuals(problem, theta)
-    return float(at.cost.sum() + prior @ prior)
-
-
-def _step(
-    problem: FitProblem, at: Linearisation, theta: Array, initial: Array, damping: float
-) -> _Step:
-    """Solve the damped normal equations, eliminating each window's initial state."""
-    normal = _reduced(problem, at, theta, damping)
-    reduced = np.maximum(np.diag(normal.hessian), 1e-12 * normal.diagonal)
-    hessian = normal.hessian + damping * np.diag(reduced)
-    move = _bounded(problem, hessian, normal.slope, theta)
-    shift = normal.offset - normal.gain @ move
-    gained = _gained(at, move, shift)
-    before, _ = prior_residuals(problem, theta)
-    after, _ = prior_residuals(problem, theta + move)
-    decrease = float(gained.sum() + before @ before - after @ after)
-    return _Step(theta + move, initial + shift, at.cost - gained, decrease)
-
-
-def _gained(at: Linearisation, move: Array, shift: Array) -> Array:
-    """Return by how much a step lowers each window's cost in the linearised problem."""
-    whole = np.column_stack([np.broadcast_to(move, (len(shift), len(move))), shift])
-    curved = np.einsum("wi,wij,wj->w", whole, at.hessian, whole)
-    gained: Array = 2.0 * (at.slope * whole).sum(axis=1) - curved
-    return gained
-
-
-@dataclass(frozen=True, slots=True)
-class _Normal:
-    """Normal equations of θ, and how each window's initial state follows a step."""
-
-    hessian: Array
-    slope: Array
-    diagonal: Array
-    gain: Array
-    offset: Array
-
-
-def _reduced(
-    problem: FitProblem, at: Linearisation, theta: Array, damping: float
-) -> _Normal:
-    """Eliminate every window's initial state (Schur complement)."""
-    nq = len(theta)
-    prior, weight = prior_residuals(problem, theta)
-    inverse = truncated_inverse(_damped(at.hessian[:, nq:, nq:], damping))
-    cross = at.hessian[:, nq:, :nq]
-    gain = inverse @ cross
-    offset = np.einsum("wij,wj->wi", inverse, at.slope[:, nq:])
-    full = at.hessian[:, :nq, :nq]
-    hessian = (full - np.swapaxes(cross, 1, 2) @ gain).sum(axis=0)
-    slope = (at.slope[:, :nq] - np.einsum("wij,wi->wj", cross, offset)).sum(axis=0)
-    return _Normal(
-        hessian + np.diag(weight**2),
-        slope + weight * prior,
-        np.einsum("wii->i", full),
-        gain,
-        offset,
-    )
-
-
-def promised_reduction(problem: FitProblem, theta: Array, initial: Array) -> float:
-    """Return the relative decrease of the cost that the linearised problem promises.
-
-    One simulation; what a score test would use. Negative where it cannot be simulated.
-    """
-    at = linearise_windows(problem, theta, initial)
-    cost = total_cost(problem, at, theta)
-    if not np.isfinite(cost) or cost <= 0.0:
-        return -1.0
-    normal = _reduced(problem, at, theta, 1e-9)
-    move = _bounded(problem, normal.hessian, normal.slope, theta)
-    own = float((at.slope[:, len(theta) :] * normal.offset).sum())
-    gained = 2 * normal.slope @ move - move @ normal.hessian @ move + own
-    return float(gained / cost)
-
-
-def _bounded(problem: FitProblem, hessian: Array, slope: Array, theta: Array) -> Array:
-    """Solve for a step within bounds, holding parameters that would leave them."""
-    low, high = problem.low[problem.free], problem.high[problem.free]
-    held = ((theta <= low) & (slope < 0)) | ((theta >= high) & (slope > 0))
-    return bounded_step(hessian, slope, low - theta, high - theta, held)
-
-
-def bounded_step(
-    hessian: Array,
-    slope: Array,
-    low: Array,
-    high: Array,
-    held: NDArray[np.bool_] | None = None,
-) -> Array:
-    """Return the step to the least of a quadratic form, within bounds.
-
-    What would leave its bounds is held there and the rest solved for anew: a direction
-    that hardly matters would else carry everything away with the one that is clipped.
-
-    Parameters
-    ----------
-    low, high
-        Of the step.
-    held
-        What does not move at all.
-    """
-    step = np.zeros(len(slope))
-    free = np.ones(len(slope), dtype=bool) if held is None else ~held
-    while free.any():
-        inner = hessian[np.ix_(free, free)]
-        rest = slope[free] - hessian[np.ix_(free, ~free)] @ step[~free]
-        step[free] = truncated_inverse(inner) @ rest
-        outside = free & ((step < low) | (step > high))
-        step = np.clip(step, low, high)
-        if not outside.any():
-            break
-        free &= ~outside
-    return step

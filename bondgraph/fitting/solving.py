@@ -7,15 +7,11 @@ from numpy.typing import NDArray
 
 from bondgraph.fitting.growing import first_windows, grow
 from bondgraph.fitting.horizon import SHORTEST
-from bondgraph.fitting.levenberg_marquardt import (
-    Optimum,
-    minimise,
-    settle,
-    total_cost,
-)
+from bondgraph.fitting.levenberg_marquardt import Optimum, minimise, settle
 from bondgraph.fitting.multiple_shooting import shoot_multiply
 from bondgraph.fitting.problem import FitProblem
 from bondgraph.fitting.starts import Starts, start_values
+from bondgraph.fitting.steps import total_cost
 from bondgraph.fitting.strategy import (
     Direct,
     GrowingWindows,

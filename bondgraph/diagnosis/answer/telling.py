@@ -1,15 +1,14 @@
 """The answer: what the search found, told in records, numbers and sentences."""
 
-import platform
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from importlib.metadata import version
-from typing import Any
 
 import numpy as np
 
 from bondgraph.diagnosis.adequacy.adequacy import adequacy
 from bondgraph.diagnosis.adequacy.records import Adequacy
+from bondgraph.diagnosis.answer.found import all_evidence, findings_of, remaining
+from bondgraph.diagnosis.answer.notes import notes_on, provenance
 from bondgraph.diagnosis.answer.showing import recovered_law, simulate_whole, traces
 from bondgraph.diagnosis.answer.stated import contradicted
 from bondgraph.diagnosis.answer.verdict import (
@@ -19,27 +18,19 @@ from bondgraph.diagnosis.answer.verdict import (
     with_values,
 )
 from bondgraph.diagnosis.answer.wording import (
-    finding_statement,
-    name_of,
     next_experiment,
 )
 from bondgraph.diagnosis.evidence.decision import (
     Judged,
-    alternatives_to,
-    clearly_better,
 )
 from bondgraph.diagnosis.records import (
     Comparison,
     Diagnosis,
-    Evidence,
-    Finding,
-    Support,
 )
 from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.rounds import Options, Round
 from bondgraph.fitting.estimate import FittedModel, fit_model, report
 from bondgraph.fitting.result import FitResult
-from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
 
@@ -59,17 +50,17 @@ def answer(
     base, floor = rounds[0].base, noise_floor(recordings)
     before, after = report(base, graph, recordings), report(final, graph, recordings)
     accepted = _accepted(rounds)
-    findings, others = _findings(accepted, after, held_out, options)
+    findings, others = findings_of(accepted, after, held_out, options)
     trained = _comparison(base, final, recordings)
-    remaining = _remaining(accepted, floor)
+    left = remaining(accepted, floor)
     if not trained.after.nrmse < trained.before.nrmse:
-        remaining = max(remaining, 1.0)
+        left = max(left, 1.0)
     verdict, statement = verdict_of(
         findings,
         base,
         floor,
         rounds[0],
-        remaining,
+        left,
         _checked(base, recordings, accepted),
     )
     shown = _comparison(base, final, held_out)
@@ -78,7 +69,7 @@ def answer(
     wrong = contradicted(graph, after.estimates)
     if wrong:
         verdict, statement = with_values(verdict, statement, wrong)
-    candidates = _evidence(rounds)
+    candidates = all_evidence(rounds)
     laws = [
         recovered_law(r.base, r.chosen.candidate, final, recordings, _rivals(r))
         for r in accepted
@@ -100,8 +91,8 @@ def answer(
         fit_all=_delivered(graph, final, (*recordings, *held_out), options),
         traces=traces(base, final, held_out),
         recovered=tuple(law for law in laws if law is not None),
-        notes=_notes(rounds, after, options),
-        provenance=_provenance(recordings, held_out, options, final),
+        notes=notes_on(rounds, after, options),
+        provenance=provenance(recordings, held_out, options, final),
     )
 
 
@@ -157,122 +148,6 @@ def _delivered(
     return report(fit_model(graph, everything, settings), start, everything)
 
 
-def _findings(
-    accepted: Sequence[Round],
-    after: FitResult,
-    held_out: Sequence[BoundRecording],
-    options: Options,
-) -> tuple[list[Finding], dict[str, Sequence[Judged]]]:
-    """Return the findings, and for each element what the data do not tell from it."""
-    findings: list[Finding] = []
-    others: dict[str, Sequence[Judged]] = {}
-    for found in accepted:
-        chosen = found.chosen
-        assert chosen is not None
-        close = alternatives_to(chosen, found.judged, options.rule)
-        hypothesis = chosen.candidate.hypothesis
-        same = [j.place for j in close if j.physics == chosen.physics]
-        elsewhere = (p for p in (*same, *hypothesis.also) if p != chosen.place)
-        places = tuple(dict.fromkeys(elsewhere))
-        estimates = tuple(e for e in after.estimates if e.name in hypothesis.parameters)
-        findings.append(
-            Finding(
-                physics=chosen.physics,
-                place=chosen.place,
-                element=hypothesis.element,
-                statement=finding_statement(chosen, places, close, estimates),
-                law=str(hypothesis.law),
-                indistinguishable_places=places,
-                alternatives=(
-                    *(_shown(j, held_out) for j in close),
-                    *_hardly_supported(found, options, held_out),
-                ),
-                estimates=estimates,
-                probability=found.probability,
-            )
-        )
-        others[hypothesis.element] = close
-    return findings, others
-
-
-def _shown(judged: Judged, held_out: Sequence[BoundRecording]) -> Evidence:
-    """Return the evidence with its error on the held-out recordings, to show."""
-    simulated = simulate_whole(judged.candidate.fitted, held_out)
-    return replace(_as_evidence(judged), held_out_nrmse=simulated.score.nrmse)
-
-
-def _wider(found: Round, options: Options) -> list[Judged]:
-    """Return judged laws that contain the chosen one and predict no better."""
-    chosen = found.chosen
-    return [
-        j
-        for j in found.judged
-        if chosen is not None
-        and j.place == chosen.place
-        and chosen.physics in j.candidate.hypothesis.extends
-        and (
-            j.support is Support.REFUTED or not clearly_better(j, chosen, options.rule)
-        )
-    ]
-
-
-def _hardly_supported(
-    found: Round, options: Options, held_out: Sequence[BoundRecording]
-) -> list[Evidence]:
-    assert found.chosen is not None
-    reason = (
-        "hardly supported: it does not predict left-out data better than "
-        f"{name_of(found.chosen.physics)}, which it contains"
-    )
-    return [
-        replace(_shown(j, held_out), support=Support.REFUTED, reason=reason)
-        for j in _wider(found, options)
-    ]
-
-
-def _as_evidence(judged: Judged) -> Evidence:
-    fitted = judged.candidate.fitted
-    residuals = fitted.residuals()
-    spread = np.nanstd(fitted.problem.shots.outputs, axis=0)
-    nrmse = np.sqrt(np.nanmean((residuals / np.where(spread > 0, spread, 1.0)) ** 2))
-    return Evidence(
-        physics=judged.physics,
-        place=judged.place,
-        law=str(judged.candidate.hypothesis.law),
-        support=judged.support,
-        gain=judged.gain.value,
-        gain_std=judged.gain.std,
-        train_nrmse=float(nrmse),
-        reason=judged.reason,
-    )
-
-
-def _evidence(rounds: Sequence[Round]) -> tuple[Evidence, ...]:
-    """Return all judged candidates of all rounds, best first within a round."""
-    return tuple(
-        _as_evidence(judged)
-        for found in rounds
-        for judged in sorted(found.judged, key=lambda j: -j.gain.value)
-    )
-
-
-def _remaining(accepted: Sequence[Round], floor: Mapping[str, float]) -> float:
-    """Return the share of the left-out error that the findings leave beyond noise."""
-    share = 1.0
-    for found in accepted:
-        assert found.chosen is not None
-        share *= 1.0 - found.chosen.gain.value
-    if not accepted:
-        return share
-    base = accepted[0].base
-    scale = base.problem.sigma
-    power = np.nanmean((base.residuals() / scale) ** 2, axis=0)
-    noise = (np.array([floor[name] for name in floor]) / scale) ** 2
-    # The gains are of the errors of all outputs together, weighted by these scales.
-    beyond = 1.0 - float(np.sum(np.minimum(noise, power)) / np.sum(power))
-    return max(share - (1.0 - beyond), 0.0) / max(beyond, 1e-12)
-
-
 def _comparison(
     base: FittedModel, final: FittedModel, recordings: Sequence[BoundRecording]
 ) -> Comparison:
@@ -292,51 +167,3 @@ def _blame(first: Round) -> dict[str, float]:
         share = min(max(promised.reduction, 0.0), 1.0)
         blame[place] = max(blame.get(place, 0.0), share)
     return blame
-
-
-def _notes(
-    rounds: Sequence[Round], after: FitResult, options: Options
-) -> tuple[str, ...]:
-    notes = [f"Not identifiable: {sentence}." for sentence in after.unidentifiable]
-    for found in rounds:
-        for rejected in found.rejected:
-            hypothesis = rejected.hypothesis
-            notes.append(
-                f"{_sentence_start(hypothesis)} was left aside: {rejected.reason}"
-            )
-        notes += [
-            f"{h.physics} at {h.place} was added first and taken out again: beside "
-            "what was added later it does not predict left-out data better."
-            for h in found.removed
-        ]
-        for judged in _wider(found, options):
-            assert found.chosen is not None
-            notes.append(
-                f"{_sentence_start(judged)} instead is hardly supported: it does not "
-                f"predict left-out data better than {name_of(found.chosen.physics)}."
-            )
-    return tuple(dict.fromkeys(notes))
-
-
-def _sentence_start(judged: Judged | Hypothesis) -> str:
-    name = name_of(judged.physics)
-    return f"{name[:1].upper()}{name[1:]} at {judged.place}"
-
-
-def _provenance(
-    recordings: Sequence[BoundRecording],
-    held_out: Sequence[BoundRecording],
-    options: Options,
-    final: FittedModel,
-) -> dict[str, Any]:
-    packages = ("bondgraph-workbench", "numpy", "scipy", "sympy", "numba")
-    return {
-        "versions": {name: version(name) for name in packages}
-        | {"python": platform.python_version()},
-        "training": [{"name": r.name, "sha256": r.sha256} for r in recordings],
-        "held_out": [{"name": r.name, "sha256": r.sha256} for r in held_out],
-        "horizon": str(final.horizon),
-        "solver": str(final.problem.solver),
-        "inputs": final.problem.hold.value,
-        "materiality": options.rule.materiality,
-    }

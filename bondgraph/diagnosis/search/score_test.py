@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.search.surrogates import Baseline, orthonormal, sensitivities
-from bondgraph.fitting.levenberg_marquardt import bounded_step
 from bondgraph.fitting.problem import FitProblem
+from bondgraph.fitting.steps import bounded_step
 
 Array = NDArray[np.float64]
 OWN = 1e-5

@@ -1,0 +1,134 @@
+"""Findings, with what speaks for each and what cannot be told from it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bondgraph.diagnosis.answer.showing import simulate_whole
+from bondgraph.diagnosis.answer.wording import finding_statement, name_of
+from bondgraph.diagnosis.evidence.decision import (
+    Judged,
+    alternatives_to,
+    clearly_better,
+)
+from bondgraph.diagnosis.records import Evidence, Finding, Support
+from bondgraph.diagnosis.search.rounds import Options, Round
+from bondgraph.fitting.result import FitResult
+from bondgraph.recordings.binding import BoundRecording
+
+
+def findings_of(
+    accepted: Sequence[Round],
+    after: FitResult,
+    held_out: Sequence[BoundRecording],
+    options: Options,
+) -> tuple[list[Finding], dict[str, Sequence[Judged]]]:
+    """Return the findings, and for each element what the data do not tell from it."""
+    findings: list[Finding] = []
+    others: dict[str, Sequence[Judged]] = {}
+    for found in accepted:
+        chosen = found.chosen
+        assert chosen is not None
+        close = alternatives_to(chosen, found.judged, options.rule)
+        hypothesis = chosen.candidate.hypothesis
+        same = [j.place for j in close if j.physics == chosen.physics]
+        elsewhere = (p for p in (*same, *hypothesis.also) if p != chosen.place)
+        places = tuple(dict.fromkeys(elsewhere))
+        estimates = tuple(e for e in after.estimates if e.name in hypothesis.parameters)
+        findings.append(
+            Finding(
+                physics=chosen.physics,
+                place=chosen.place,
+                element=hypothesis.element,
+                statement=finding_statement(chosen, places, close, estimates),
+                law=str(hypothesis.law),
+                indistinguishable_places=places,
+                alternatives=(
+                    *(_shown(j, held_out) for j in close),
+                    *_hardly_supported(found, options, held_out),
+                ),
+                estimates=estimates,
+                probability=found.probability,
+            )
+        )
+        others[hypothesis.element] = close
+    return findings, others
+
+
+def _shown(judged: Judged, held_out: Sequence[BoundRecording]) -> Evidence:
+    """Return the evidence with its error on the held-out recordings, to show."""
+    simulated = simulate_whole(judged.candidate.fitted, held_out)
+    return replace(_as_evidence(judged), held_out_nrmse=simulated.score.nrmse)
+
+
+def wider_than_chosen(found: Round, options: Options) -> list[Judged]:
+    """Return judged laws that contain the chosen one and predict no better."""
+    chosen = found.chosen
+    return [
+        j
+        for j in found.judged
+        if chosen is not None
+        and j.place == chosen.place
+        and chosen.physics in j.candidate.hypothesis.extends
+        and (
+            j.support is Support.REFUTED or not clearly_better(j, chosen, options.rule)
+        )
+    ]
+
+
+def _hardly_supported(
+    found: Round, options: Options, held_out: Sequence[BoundRecording]
+) -> list[Evidence]:
+    assert found.chosen is not None
+    reason = (
+        "hardly supported: it does not predict left-out data better than "
+        f"{name_of(found.chosen.physics)}, which it contains"
+    )
+    return [
+        replace(_shown(j, held_out), support=Support.REFUTED, reason=reason)
+        for j in wider_than_chosen(found, options)
+    ]
+
+
+def _as_evidence(judged: Judged) -> Evidence:
+    fitted = judged.candidate.fitted
+    residuals = fitted.residuals()
+    spread = np.nanstd(fitted.problem.shots.outputs, axis=0)
+    nrmse = np.sqrt(np.nanmean((residuals / np.where(spread > 0, spread, 1.0)) ** 2))
+    return Evidence(
+        physics=judged.physics,
+        place=judged.place,
+        law=str(judged.candidate.hypothesis.law),
+        support=judged.support,
+        gain=judged.gain.value,
+        gain_std=judged.gain.std,
+        train_nrmse=float(nrmse),
+        reason=judged.reason,
+    )
+
+
+def all_evidence(rounds: Sequence[Round]) -> tuple[Evidence, ...]:
+    """Return all judged candidates of all rounds, best first within a round."""
+    return tuple(
+        _as_evidence(judged)
+        for found in rounds
+        for judged in sorted(found.judged, key=lambda j: -j.gain.value)
+    )
+
+
+def remaining(accepted: Sequence[Round], floor: Mapping[str, float]) -> float:
+    """Return the share of the left-out error that the findings leave beyond noise."""
+    share = 1.0
+    for found in accepted:
+        assert found.chosen is not None
+        share *= 1.0 - found.chosen.gain.value
+    if not accepted:
+        return share
+    base = accepted[0].base
+    scale = base.problem.sigma
+    power = np.nanmean((base.residuals() / scale) ** 2, axis=0)
+    noise = (np.array([floor[name] for name in floor]) / scale) ** 2
+    # The gains are of the errors of all outputs together, weighted by these scales.
+    beyond = 1.0 - float(np.sum(np.minimum(noise, power)) / np.sum(power))
+    return max(share - (1.0 - beyond), 0.0) / max(beyond, 1e-12)

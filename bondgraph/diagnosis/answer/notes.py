@@ -1,0 +1,65 @@
+"""Notes on an answer: what was left aside and why, and how it was computed."""
+
+import platform
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import Any
+
+from bondgraph.diagnosis.answer.found import wider_than_chosen
+from bondgraph.diagnosis.answer.wording import name_of
+from bondgraph.diagnosis.evidence.decision import Judged
+from bondgraph.diagnosis.search.rounds import Options, Round
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.fitting.result import FitResult
+from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.recordings.binding import BoundRecording
+
+
+def notes_on(
+    rounds: Sequence[Round], after: FitResult, options: Options
+) -> tuple[str, ...]:
+    """Return a sentence for each law that was left aside, taken out or is too wide."""
+    notes = [f"Not identifiable: {sentence}." for sentence in after.unidentifiable]
+    for found in rounds:
+        for rejected in found.rejected:
+            hypothesis = rejected.hypothesis
+            notes.append(
+                f"{_sentence_start(hypothesis)} was left aside: {rejected.reason}"
+            )
+        notes += [
+            f"{h.physics} at {h.place} was added first and taken out again: beside "
+            "what was added later it does not predict left-out data better."
+            for h in found.removed
+        ]
+        for judged in wider_than_chosen(found, options):
+            assert found.chosen is not None
+            notes.append(
+                f"{_sentence_start(judged)} instead is hardly supported: it does not "
+                f"predict left-out data better than {name_of(found.chosen.physics)}."
+            )
+    return tuple(dict.fromkeys(notes))
+
+
+def _sentence_start(judged: Judged | Hypothesis) -> str:
+    name = name_of(judged.physics)
+    return f"{name[:1].upper()}{name[1:]} at {judged.place}"
+
+
+def provenance(
+    recordings: Sequence[BoundRecording],
+    held_out: Sequence[BoundRecording],
+    options: Options,
+    final: FittedModel,
+) -> dict[str, Any]:
+    """Return versions, digests of the recordings, and how everything was simulated."""
+    packages = ("bondgraph-workbench", "numpy", "scipy", "sympy", "numba")
+    return {
+        "versions": {name: version(name) for name in packages}
+        | {"python": platform.python_version()},
+        "training": [{"name": r.name, "sha256": r.sha256} for r in recordings],
+        "held_out": [{"name": r.name, "sha256": r.sha256} for r in held_out],
+        "horizon": str(final.horizon),
+        "solver": str(final.problem.solver),
+        "inputs": final.problem.hold.value,
+        "materiality": options.rule.materiality,
+    }
