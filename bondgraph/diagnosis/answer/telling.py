@@ -15,6 +15,7 @@ from bondgraph.diagnosis.answer.verdict import (
     noise_floor,
     not_simulated,
     verdict_of,
+    with_undecided,
     with_values,
 )
 from bondgraph.diagnosis.answer.wording import (
@@ -63,6 +64,7 @@ def answer(
         left,
         _checked(base, recordings, accepted),
     )
+    statement = with_undecided(verdict, statement, rounds[-1], options.rule)
     shown = _comparison(base, final, held_out)
     if not np.isfinite(shown.after.nrmse) and np.isfinite(shown.before.nrmse):
         verdict, statement = not_simulated(verdict, statement)

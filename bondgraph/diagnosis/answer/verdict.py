@@ -29,6 +29,9 @@ MOST_REMAINING = 0.5
 TRACE = 0.05
 """A smaller share of what a model leaves does not matter, however sure it is."""
 
+ERRORS = 2.0
+"""So many standard errors above nothing is worth a word."""
+
 MANY = 1000
 """Beyond it, how many times the noise says more of the noise than of the model."""
 
@@ -153,6 +156,31 @@ def with_values(
             )
         case Verdict.PHYSICS_MISSING | Verdict.UNEXPLAINED | Verdict.CANNOT_TELL:
             return verdict, f"{statement} {told}"
+
+
+def with_undecided(verdict: Verdict, statement: str, last: Round, rule: Rule) -> str:
+    """Return the statement with what would help further, but not reliably.
+
+    Parameters
+    ----------
+    last
+        The round that found nothing more.
+    """
+    near = [
+        judged
+        for judged in last.judged
+        if judged.support is Support.UNDECIDED
+        and judged.gain.value > max(ERRORS * judged.gain.std, rule.materiality)
+    ]
+    if verdict is not Verdict.PHYSICS_MISSING or last.chosen is not None or not near:
+        return statement
+    best = max(near, key=lambda judged: judged.gain.value)
+    share = f"{100 * best.gain.value:.0f} ± {100 * best.gain.std:.0f} %"
+    return (
+        f"{statement} Beyond that these recordings do not decide: "
+        f"{name_of(best.physics)} at {best.place} would take away {share} of the "
+        "error that is left, but not reliably."
+    )
 
 
 def not_simulated(verdict: Verdict, statement: str) -> tuple[Verdict, str]:
