@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
 from bondgraph.diagnosis.answer.wording import name_of
+from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.records import Finding, Support, Verdict
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.diagnosis.search.rounds import Round
