@@ -130,6 +130,7 @@ def measure_scales(fitted: FittedModel) -> Scales:
         duration=float(
             max(shots.time[s.stop - 1] - shots.time[s.start] for s in shots.slices)
         ),
+        fitted=fitted.values,
     )
 
 

@@ -65,7 +65,8 @@ class SquareLaw(AbstractPhysics):
 
     def _replaced(self, place: JunctionPlace, resistance: str) -> Hypothesis:
         """Write the law in the variable that the junction gives."""
-        linear = place.graph.parameters[resistance].value or 1.0
+        stated = place.graph.parameters[resistance].value or 1.0
+        linear = place.scales.fitted.get(resistance) or stated
         if isinstance(place, OneJunctionPlace):
             start = (linear / place.flow,)
             unit = place.unit(E, F, 2)

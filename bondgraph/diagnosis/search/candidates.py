@@ -59,15 +59,11 @@ class Screened:
 def propose_all(
     base: FittedModel, library: Sequence[AbstractPhysics]
 ) -> tuple[Hypothesis, ...]:
-    """Return every hypothesis of the library at every place.
-
-    What replaces a law starts from what the fit has made of it.
-    """
+    """Return every hypothesis of the library at every place."""
     scales = measure_scales(base)
-    graph = base.graph.with_parameters(base.values)
     return tuple(
         hypothesis
-        for place in all_places(graph, scales)
+        for place in all_places(base.graph, scales)
         for physics in library
         for hypothesis in physics.propose(place)
     )

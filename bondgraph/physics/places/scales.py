@@ -20,12 +20,15 @@ class Scales:
         Seconds between samples; 0 where not known.
     duration
         Seconds of the longest recording; 0 where not known.
+    fitted
+        What a fit has made of the parameters; empty where there was none.
     """
 
     sizes: Mapping[str, float] = field(default_factory=dict)
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     interval: float = 0.0
     duration: float = 0.0
+    fitted: Mapping[str, float] = field(default_factory=dict)
 
     def at(self, quantity: Quantity, place: str, default: float = 1.0) -> float:
         """Return the size of `quantity` at `place`, or `default` where unknown or 0."""
