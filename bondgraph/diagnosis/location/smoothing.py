@@ -211,7 +211,8 @@ def _most_likely(model: _Filter, step: float) -> Process:
     ny, nx = model.read.shape[1:]
     kept = _Kept(0, ny, nx + 1 + model.read_theta.shape[2])
     model.run(0.0, step, kept)
-    unit = _unit(model, math.sqrt(kept.level))
+    # Where the filter fails without a source, the noise alone tells what is large.
+    unit = _unit(model, math.sqrt(kept.level) or 1.0)
 
     def cost(point: Array) -> float:
         return -model.run(math.exp(point[0]), math.exp(point[1]), kept)
