@@ -6,7 +6,6 @@ run on two threads.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -17,9 +16,10 @@ from bondgraph.equations.derivation import derive
 from bondgraph.errors import ParameterError, RecordingError, did_you_mean
 from bondgraph.numeric.model import NumericModel, compile_model
 from bondgraph.recordings.binding import BoundRecording
-from bondgraph.simulation.native_shooting import THREADS, refuse_implicit
+from bondgraph.simulation.native_shooting import refuse_implicit
 from bondgraph.simulation.shooting import Shots, shoot
 from bondgraph.simulation.solvers import Hold, RungeKutta4, Solver
+from bondgraph.simulation.threads import in_parallel
 from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
@@ -117,7 +117,7 @@ def simulate_batch(
         some = _in_lanes(model, values, start, time, inputs, solver, hold)
     else:
         some = _one_by_one(model, values, start, time, inputs, solver, hold)
-    _share(lambda first, last: some(simulated, done, first, last), len(values))
+    in_parallel(lambda first, last: some(simulated, done, first, last), len(values))
     for k in np.flatnonzero(done < len(time)):
         simulated[k, done[k] :] = np.nan
     return Batch(
@@ -190,13 +190,6 @@ def _one_by_one(
             done[k] = len(time) if finite.all() else int(np.argmin(finite))
 
     return some
-
-
-def _share(some: Callable[[int, int], None], sets: int) -> None:
-    """Simulate all sets, on several threads."""
-    edges = np.linspace(0, sets, min(THREADS, max(sets, 1)) + 1).astype(int).tolist()
-    with ThreadPoolExecutor(THREADS) as pool:
-        list(pool.map(some, edges[:-1], edges[1:]))
 
 
 def _values(

@@ -1,7 +1,6 @@
 """Windows simulated in native code: arrays in, arrays out, on two threads."""
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,10 +10,10 @@ from bondgraph.equations.hard_contact import refuse_hard_contact
 from bondgraph.errors import EquationError
 from bondgraph.numeric.model import NumericModel
 from bondgraph.simulation.solvers import RungeKutta4, Sdirk2, Sdirk3
+from bondgraph.simulation.threads import in_parallel
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-THREADS = 2
 WORTH_A_THREAD = 2000
 """Samples; a shorter simulation ends before a thread has begun."""
 
@@ -112,12 +111,10 @@ def run_native(
 
 def _share(simulate: Callable[[int, int], None], windows: int, samples: int) -> None:
     """Simulate all windows, on several threads where they are long enough."""
-    if windows < THREADS or samples < WORTH_A_THREAD:
+    if samples < WORTH_A_THREAD:
         simulate(0, windows)
-        return
-    edges = np.linspace(0, windows, THREADS + 1).astype(int).tolist()
-    with ThreadPoolExecutor(THREADS) as pool:
-        list(pool.map(simulate, edges[:-1], edges[1:]))
+    else:
+        in_parallel(simulate, windows)
 
 
 def refuse_implicit(model: NumericModel) -> None:

@@ -1,6 +1,5 @@
 """Windows simulated by the tape's kernel, in native code while friction modes last."""
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -16,10 +15,10 @@ from bondgraph.simulation.solvers import Implicit
 if TYPE_CHECKING:
     from bondgraph.numeric.kernel.native_steps import Fast
     from bondgraph.numeric.kernel.stage_arrays import System
+from bondgraph.simulation.threads import in_parallel
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-THREADS = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,12 +84,7 @@ def run_tape(
             trouble,
         )  # fmt: skip
 
-    if shots.n_windows < THREADS:
-        some(0, shots.n_windows)
-    else:
-        share = np.linspace(0, shots.n_windows, THREADS + 1).astype(int).tolist()
-        with ThreadPoolExecutor(THREADS) as pool:
-            list(pool.map(some, share[:-1], share[1:]))
+    in_parallel(some, shots.n_windows)
     del code  # it was needed until here
     return TapeRun(outputs, states, sensitivities, modes, since, done, trouble)
 

@@ -15,6 +15,8 @@ from multiprocessing.connection import Connection
 from threading import Thread
 from typing import Any
 
+from bondgraph.simulation.threads import THREADS
+
 
 class Pool(Executor):
     """Processes of this machine, started when work is first submitted.
@@ -74,7 +76,11 @@ def _deaf() -> Iterator[None]:
 
 
 def _end_with(line: Connection) -> None:
-    """Have this worker end as soon as the other end of `line` is closed."""
+    """Have this worker end as soon as the other end of `line` is closed.
+
+    It simulates on one thread: the other cores are for the other workers.
+    """
+    os.environ.setdefault(THREADS, "1")
     Thread(target=_wait_and_end, args=(line,), daemon=True).start()
 
 
