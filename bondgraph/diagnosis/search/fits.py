@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.candidates import Candidate, Promised
+from bondgraph.diagnosis.search.candidates import CURVE, Candidate, Promised
 from bondgraph.diagnosis.search.trying import Start, Trial, fit_briefly, fit_fully
 from bondgraph.physics.hypothesis import Hypothesis
 
@@ -30,7 +30,8 @@ def fit_best(
     Parameters
     ----------
     keep
-        Share of the leading reduction that a hypothesis must reach to be kept.
+        Share of the leading reduction that a hypothesis must reach to be kept. Free
+        curves lead by their freedom: named laws are compared with named ones.
     most
         How many are kept.
     """
@@ -48,8 +49,12 @@ def fit_best(
     if not reached:
         return []
     reached.sort(key=lambda one: -one[0])
-    least = keep * reached[0][0]
-    kept = [one for one in reached if one[0] >= least][:most]
+    lead = max((r for r, h, _ in reached if h.physics != CURVE), default=-np.inf)
+    kept = [
+        (reduction, hypothesis, result)
+        for reduction, hypothesis, result in reached
+        if reduction >= keep * (reached[0][0] if hypothesis.physics == CURVE else lead)
+    ][:most]
     same = bench.few is bench.base
     starts = [
         Trial(h, (Start(r["values"], np.array(r["initial"]) if same else None),))
