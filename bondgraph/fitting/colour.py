@@ -53,6 +53,13 @@ class Colour:
     def _polynomial(self) -> Array:
         return np.concatenate([[1.0], -self.coefficients])
 
+    def innovations(self, residual: Array) -> Array:
+        """Return what the past of a window's residual (n,) does not foresee."""
+        from scipy.signal import lfilter  # noqa: PLC0415  (slow to import)
+
+        steps: Array = lfilter(self._polynomial(), [1.0], residual)
+        return steps
+
     def gathered(self, weights: Array) -> Array:
         """Return gᵀΓg for weights g (n, m) of one window's samples; (m, m)."""
         if not len(self.coefficients):

@@ -11,11 +11,11 @@ from bondgraph.numeric.set_valued import SetValuedForm
 from bondgraph.simulation.engines import Engine
 from bondgraph.simulation.shots import Shots
 from bondgraph.simulation.solvers import Implicit
+from bondgraph.simulation.threads import in_parallel
 
 if TYPE_CHECKING:
     from bondgraph.numeric.kernel.native_steps import Fast
     from bondgraph.numeric.kernel.stage_arrays import System
-from bondgraph.simulation.threads import in_parallel
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

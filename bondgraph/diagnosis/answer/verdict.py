@@ -176,10 +176,9 @@ def with_undecided(verdict: Verdict, statement: str, last: Round, rule: Rule) ->
     if verdict is not Verdict.PHYSICS_MISSING or last.chosen is not None or not near:
         return statement
     best = max(near, key=lambda judged: judged.gain.value)
-    share = f"{100 * best.gain.value:.0f} ± {100 * best.gain.std:.0f} %"
     return (
         f"{statement} Beyond that these recordings do not decide: "
-        f"{name_of(best.physics)} at {best.place} would take away {share} of the "
+        f"{name_of(best.physics)} at {best.place} would take away {best.gain} of the "
         "error that is left, but not reliably."
     )
 

@@ -97,18 +97,17 @@ def judge(
     corrected = min(gain.p_value * max(tried, 1.0), 1.0)
     enough = gain.value >= rule.materiality
     sure = corrected <= rule.false_alarm_probability
-    share = f"{100 * gain.value:.1f} ± {100 * gain.std:.1f} %"
     if enough and sure:
-        support, reason = Support.SUPPORTED, f"reduces the left-out error by {share}"
+        support, reason = Support.SUPPORTED, f"reduces the left-out error by {gain}"
     elif gain.value <= 0.0 or gain.value + 2 * gain.std < rule.materiality:
         support = Support.REFUTED
-        reason = f"changes the left-out error by {share}, too little to matter"
+        reason = f"changes the left-out error by {gain}, too little to matter"
     elif enough:
         support = Support.UNDECIDED
-        reason = f"{share} is not significant among {tried:.0f} candidates"
+        reason = f"{gain} is not significant among {tried:.0f} candidates"
     else:
         support = Support.UNDECIDED
-        reason = f"{share} could be nothing"
+        reason = f"{gain} could be nothing"
     return Judged(candidate, errors, gain, support, reason)
 
 
@@ -208,9 +207,8 @@ def probability(
     law with more parameters clearly, a curve without a name by far.
     """
     handicaps = [_handicap(j, chosen, rule) for j in judged]
-    shares = winning_shares(
-        [base, *(j.errors for j in judged)], [1.0 - rule.materiality, *handicaps]
-    )
+    errors = [_competing(j, chosen, base) for j in judged]
+    shares = winning_shares([base, *errors], [1.0 - rule.materiality, *handicaps])
     return float(
         sum(
             share
@@ -222,10 +220,21 @@ def probability(
     )
 
 
+def _competing(judged: Judged, chosen: Judged, base: LeftOutErrors) -> LeftOutErrors:
+    """Return the errors with which a rival competes.
+
+    A free curve keeps of its gain what a named law must give to be told instead.
+    """
+    if not judged.physics == CURVE != chosen.physics:
+        return judged.errors
+    kept = NAMED_SHARE * judged.errors.chunks + (1.0 - NAMED_SHARE) * base.chunks
+    return LeftOutErrors(kept)
+
+
 def _handicap(judged: Judged, chosen: Judged, rule: Rule) -> float:
     """Return the factor on a rival's error with which it competes."""
     if judged.physics == CURVE != chosen.physics:
-        return 1.0 / NAMED_SHARE
+        return 1.0
     if judged.candidate.complexity <= chosen.candidate.complexity:
         return 1.0
     difference = compare(chosen.errors, judged.errors)

@@ -7,6 +7,7 @@ there); and in the surprise at every step, given what the errors just before had
 which needs no long recording where errors change slowly.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +29,12 @@ class Gain:
     value: float
     std: float
     p_value: float
+
+    def __str__(self) -> str:
+        """Return it in percent, to two digits of its error, one decimal at least."""
+        value, std = 100.0 * self.value, 100.0 * self.std
+        decimals = max(1 - math.floor(math.log10(std)), 1) if std > 0.0 else 1
+        return f"{value:.{decimals}f} ± {std:.{decimals}f} %"
 
 
 def compare(before: LeftOutErrors, after: LeftOutErrors) -> Gain:

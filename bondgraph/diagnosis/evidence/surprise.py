@@ -48,12 +48,9 @@ def surprise(residuals: Array, windows: Sequence[slice], fitted: int) -> Array:
 
 def _of_steps(residual: Array, colour: Colour) -> Array:
     """Return the surprise at every sample of one output in one window."""
-    from scipy.signal import lfilter  # noqa: PLC0415  (slow to import)
-
     if colour.innovation <= 0.0:
         return np.zeros(len(residual))
-    polynomial = np.concatenate([[1.0], -colour.coefficients])
-    steps = lfilter(polynomial, [1.0], residual)
-    nats: Array = 0.5 * (steps**2 / colour.innovation + np.log(colour.innovation))
+    squared = colour.innovations(residual) ** 2
+    nats: Array = 0.5 * (squared / colour.innovation + np.log(colour.innovation))
     nats[:MOST_ORDER] = 0.0
     return nats
