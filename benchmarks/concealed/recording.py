@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.concealed import laws
 from benchmarks.concealed.effects import (
@@ -18,6 +19,9 @@ from benchmarks.concealed.effects import (
 from benchmarks.concealed.excitation import excitation
 from benchmarks.concealed.machine import Array, Machine, Place
 from benchmarks.concealed.stepping import march
+
+Signals = tuple[NDArray[np.int64], Array]
+"""The law of every input or reading, and its numbers."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,39 +165,17 @@ def simulate(
         if effect.site.variant:
             machine = machine.variants[effect.site.variant]
     numbers = {**machine.values, **(values or {})}
-    known = scales or {}
-    hanging: list[tuple[Place, int, tuple[float, ...]]] = []
-    nu, ny = len(machine.inputs), len(machine.sensors)
-    inputs = (np.zeros(nu, np.int64), np.zeros((nu, laws.NUMBERS)))
-    outputs = (np.zeros(ny, np.int64), np.zeros((ny, laws.NUMBERS)))
-    for effect in effects:
-        site = effect.site
-        where = kind_of_place(machine, site.place)
-        if site.sets is not None:
-            sizes = {f"{k}.{n}": getattr(s, n) for k, s in known.items()
-                     for n in ("effort", "flow", "reach", "flow_highest")}  # fmt: skip
-            numbers.update(site.sets(effect.amplitude, sizes))
-        elif where == "place":
-            hanging.append(hung(machine, effect, known[site.place]))
-        else:
-            _put_in_signal(machine, effect, known[site.place], inputs, outputs)
+    hanging, inputs, outputs = _concealed(machine, effects, scales or {}, numbers)
     if watch:
         hanging += [(place, laws.VISCOUS, (0.0,)) for place in machine.places]
     steps = np.array([0.0 if exact else sensor.step for sensor in machine.sensors])
     loops = machine.drive.loops if plan.closed else ()
-    given = start or {}
-    z = np.array(machine.start) if machine.start else np.zeros(machine.stores)
-    state = (
-        np.array(given.get("q", np.zeros(machine.coordinates)), dtype=float),
-        np.array(given.get("v", np.zeros(machine.coordinates)), dtype=float),
-        np.array(given.get("z", z), dtype=float),
-    )
     commands, readings, states, trail = march(
         machine.forces,
         machine.masses,
         machine.readings,
         np.array([numbers[number.name] for number in machine.numbers]),
-        state,
+        _first_state(machine, start or {}),
         _slots(hanging, machine.coordinates),
         inputs,
         (*outputs, steps),
@@ -226,12 +208,56 @@ def simulate(
     )
 
 
+def _concealed(
+    machine: Machine,
+    effects: Sequence[Effect],
+    known: Mapping[str, Scales],
+    numbers: dict[str, float],
+) -> tuple[list[tuple[Place, int, tuple[float, ...]]], Signals, Signals]:
+    """Return what hangs at places, and what is done to inputs and to readings.
+
+    Effects that change the machine's own numbers write them into `numbers`.
+    """
+    hanging: list[tuple[Place, int, tuple[float, ...]]] = []
+    inputs, outputs = (
+        (np.zeros(n, np.int64), np.zeros((n, laws.NUMBERS)))
+        for n in (len(machine.inputs), len(machine.sensors))
+    )
+    sizes = {
+        f"{name}.{size}": getattr(scale, size)
+        for name, scale in known.items()
+        for size in ("effort", "flow", "reach", "flow_highest")
+    }
+    for effect in effects:
+        site = effect.site
+        if site.sets is not None:
+            numbers.update(site.sets(effect.amplitude, sizes))
+        elif kind_of_place(machine, site.place) == "place":
+            hanging.append(hung(machine, effect, known[site.place]))
+        else:
+            _put_in_signal(machine, effect, known[site.place], inputs, outputs)
+    return hanging, inputs, outputs
+
+
+def _first_state(
+    machine: Machine, given: Mapping[str, Array]
+) -> tuple[Array, Array, Array]:
+    """Return displacements, flows and contents at the first sample."""
+    still = np.zeros(machine.coordinates)
+    z = np.array(machine.start) if machine.start else np.zeros(machine.stores)
+    return (
+        np.array(given.get("q", still), dtype=float),
+        np.array(given.get("v", still), dtype=float),
+        np.array(given.get("z", z), dtype=float),
+    )
+
+
 def _put_in_signal(
     machine: Machine,
     effect: Effect,
     scale: Scales,
-    inputs: tuple[Array, Array],
-    outputs: tuple[Array, Array],
+    inputs: Signals,
+    outputs: Signals,
 ) -> None:
     """Write an effect of an input or output into its array."""
     names = [name for name, _ in machine.inputs]
