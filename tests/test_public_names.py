@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+import tomllib
 from importlib import import_module
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 
 import bondgraph
 
+ROOT = Path(__file__).parent.parent
 SLOW = ("numba", "control", "matplotlib", "pandas", "pint", "sympy", "scipy", "rich")
 
 
@@ -19,18 +21,23 @@ def test_every_public_name_imports_and_says_what_it_is(name):
     assert (public.__doc__ or "").strip()
 
 
-def test_static_imports_name_what_is_served_at_run_time():
-    tree = ast.parse(Path(bondgraph.__file__).read_text(encoding="utf-8"))
-    static = {
-        (node.module, alias.name)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.ImportFrom) and str(node.module).startswith("bondgraph")
-        for alias in node.names
-    }
-    served = {(home, n) for home, names in bondgraph._HOME.items() for n in names}
-    assert static == served
-    for home, name in served:
-        assert getattr(import_module(home), name) is getattr(bondgraph, name)
+def test_every_name_of_the_stub_is_served_from_where_it_says():
+    stub = Path(bondgraph.__file__).with_suffix(".pyi").read_text(encoding="utf-8")
+    lines = [line for line in ast.parse(stub).body if isinstance(line, ast.ImportFrom)]
+    stated = [(line.module, alias) for line in lines for alias in line.names]
+    names = [alias.name for _, alias in stated]
+    assert len(set(names)) == len(names) == len(bondgraph.__all__) - 1
+    for home, alias in stated:
+        assert alias.asname == alias.name  # or type checkers take it for private
+        served = getattr(bondgraph, alias.name)
+        assert served is getattr(import_module(f"bondgraph.{home}"), alias.name)
+
+
+def test_what_editors_read_is_delivered():
+    pyproject = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    delivered = set(pyproject["tool"]["setuptools"]["package-data"]["*"])
+    assert {"py.typed", "*.pyi"} <= delivered
+    assert set(dir(bondgraph)) == set(bondgraph.__all__)
 
 
 def test_an_unknown_name_is_an_attribute_error():

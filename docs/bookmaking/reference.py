@@ -29,14 +29,14 @@ _LAST = "checking"
 
 def floor_of(name: str) -> str:
     """Return the floor that the public name `name` lives on."""
-    home = bondgraph._WHERE[name].split(".")[1]
+    home = bondgraph._homes()[name].split(".")[1]
     return home if home in FLOORS else _LAST
 
 
 def pages() -> dict[str, str]:
     """Return the page of every floor by its file name."""
     found: dict[str, list[str]] = {floor: [] for floor in FLOORS}
-    for name in bondgraph._WHERE:
+    for name in bondgraph._homes():
         found[floor_of(name)].append(name)
     return {f"{floor}.md": _page(floor, names) for floor, names in found.items()}
 
