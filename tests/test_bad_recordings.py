@@ -3,6 +3,7 @@
 docs/robustness.md has a row for each of these inputs; a test compares the two.
 """
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -256,3 +257,25 @@ def test_what_looks_odd_and_is_not_wrong_is_simulated_right(name):
 def test_the_page_says_what_is_said(name):
     (row,) = (x for x in PAGE.read_text().splitlines() if x.startswith(f"| {name} |"))
     assert REFUSED[name].said in row
+
+
+@pytest.mark.parametrize("value", ["0.1", "0"])
+@pytest.mark.usefixtures("folder")
+def test_an_error_is_not_relative_to_a_channel_that_never_changes(value):
+    # The mean of 60 times 0.1 is not 0.1: to the last bit, its spread is not zero.
+    header = f"{HEADER},travel [m]"
+    Path("cart.py").write_text(
+        MODEL.replace('flow="carriage")', 'flow="carriage"){}').format(
+            '\n    graph.measure("travel", displacement="carriage")'
+        )
+    )
+    both = text([[*row, value] for row in table()], header)
+    result = simulated(both, "--json", "run.json")
+    assert result.exit_code == 0, result.output
+    assert "(without travel: recorded as one value only)" in result.stdout
+    assert json.loads(Path("run.json").read_text())["nrmse"] < 0.2
+    neither = text([[*row[:2], value, value] for row in table()], header)
+    result = simulated(neither, "--json", "run.json")
+    assert result.exit_code == 0, result.output
+    assert "That is no share of the standard deviation of what" in result.stdout
+    assert json.loads(Path("run.json").read_text())["nrmse"] is None

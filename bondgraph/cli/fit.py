@@ -25,7 +25,7 @@ from bondgraph.recordings.binding import BoundRecording
 from bondgraph.reporting.diagnosis_json import json_value
 from bondgraph.reporting.model_text import to_python
 from bondgraph.reporting.tables import estimates_table
-from bondgraph.reporting.wording import number_words, percent, unit_words
+from bondgraph.reporting.wording import number_words, relative_error, unit_words
 from bondgraph.structure.graph import FinishedGraph
 
 
@@ -145,7 +145,7 @@ def _score_words(result: FitResult) -> str:
         if result.window is None
         else f"over windows of {number_words(result.window, 3)} s"
     )
-    return f"Error {stretch}: {percent(result.score.nrmse)} of the measured spread."
+    return f"Error {stretch}: {relative_error(result.score, 'the measured spread')}."
 
 
 def _plain(result: FitResult, profiles: Sequence[Profile]) -> dict[str, object]:

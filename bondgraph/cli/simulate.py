@@ -23,7 +23,7 @@ from bondgraph.fitting.estimate import FitSettings
 from bondgraph.fitting.simulate import Solution, SolveStatus, simulate
 from bondgraph.recordings.names import join_header
 from bondgraph.reporting.diagnosis_json import json_value
-from bondgraph.reporting.wording import number_words, percent, unit_words
+from bondgraph.reporting.wording import number_words, relative_error, unit_words
 from bondgraph.simulation.energy_audit import EnergyAudit
 from bondgraph.simulation.events import Event
 
@@ -85,8 +85,8 @@ def command(
     for name, unit in zip(solution.output_names, solution.output_units, strict=True):
         rmse = number_words(solution.score.rmse[name])
         session.say(f"{name}: simulated minus measured {rmse} {unit_words(unit)} rms")
-    share = percent(solution.score.nrmse)
-    session.say(f"That is {share} of the standard deviation of what was measured.")
+    spread = "the standard deviation of what was measured"
+    session.say(f"That is {relative_error(solution.score, spread)}.")
     session.say(_energy_words(solution.audit))
     session.say(_event_words(solution.events))
     if solution.reason:  # of a run with accounts, where the one without them went on

@@ -25,6 +25,7 @@ from bondgraph.fitting.starts import ManyStarts
 from bondgraph.fitting.uncertainty import Uncertainty, uncertainty
 from bondgraph.numeric.model import NumericModel
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.spread import changes, spread
 from bondgraph.simulation.shooting import Shots
 from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.parameters import Fitted as FittedSource
@@ -179,16 +180,23 @@ def score(
 ) -> Score:
     """Return the size of residuals per output, and relative to the outputs' spread.
 
-    Not a number where a measured sample was not simulated.
+    Not a number where a measured sample was not simulated. Outputs that never change
+    have no spread and are left out of what is relative; where none changes that is not
+    a number either.
     """
     measured = np.isfinite(shots.outputs)
     squared = np.where(measured, residuals, 0.0) ** 2
     rmse = np.sqrt(squared.sum(axis=0) / np.maximum(measured.sum(axis=0), 1))
-    spread = np.nanstd(shots.outputs, axis=0)
-    relative = rmse / np.where(spread > 0.0, spread, 1.0)
+    moving = changes(shots.outputs)
+    relative = rmse[moving] / spread(shots.outputs)[moving]
     return Score(
-        nrmse=float(np.sqrt(np.mean(relative**2))),
+        nrmse=float(np.sqrt(np.mean(relative**2))) if moving.any() else math.nan,
         rmse=dict(zip(model.output_names, map(float, rmse), strict=True)),
+        unchanging=tuple(
+            name
+            for name, moves in zip(model.output_names, moving, strict=True)
+            if not moves
+        ),
     )
 
 

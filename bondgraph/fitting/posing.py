@@ -10,6 +10,7 @@ from bondgraph.errors import FitError
 from bondgraph.fitting.problem import FitProblem
 from bondgraph.fitting.settings import FitSettings
 from bondgraph.numeric.model import NumericModel, compile_model
+from bondgraph.recordings.spread import size
 from bondgraph.simulation.shooting import Shots
 from bondgraph.structure.graph import FinishedGraph
 
@@ -45,8 +46,7 @@ def pose(
     members = [graph.parameters[name] for name in model.parameter_names]
     free = [i for i, member in enumerate(members) if not member.exact]
     if sigma is None:
-        spread = np.nanstd(shots.outputs, axis=0)
-        sigma = np.where(spread > 0.0, spread, 1.0)
+        sigma = size(shots.outputs)
     return FitProblem(
         model=model,
         shots=shots,

@@ -42,10 +42,13 @@ class Score:
 
     ``rmse`` per output channel, in its unit; ``nrmse`` is the root mean square over
     channels of rmse over the channel's standard deviation (0 perfect, 1 the mean).
+    ``unchanging`` names the channels that hold one value throughout: they have no
+    spread to be relative to, and ``nrmse`` is not a number if there is no other.
     """
 
     nrmse: float
     rmse: Mapping[str, float]
+    unchanging: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -15,6 +15,7 @@ from bondgraph.fitting.horizon import WholeRecordings
 from bondgraph.fitting.result import Score
 from bondgraph.numeric.audited_model import audited_model
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.spread import size
 from bondgraph.simulation.energy_audit import EnergyAudit, together
 from bondgraph.simulation.events import Event
 from bondgraph.simulation.run import Run, simulate_audited
@@ -101,9 +102,7 @@ def simulate(
     held = graph.with_parameters(
         [replace(parameter, std=0.0) for parameter in graph.parameters.members]
     )
-    spread = np.nanstd(recording.outputs, axis=0)
-    sigma = np.where(spread > 0.0, spread, 1.0)
-    ran = fit_model(held, [recording], chosen, sigma=sigma)
+    ran = fit_model(held, [recording], chosen, sigma=size(recording.outputs))
     shots, model = ran.problem.shots, ran.problem.model
     residuals = np.where(np.isfinite(shots.outputs), ran.residuals(), np.nan)
     finite = np.isfinite(ran.optimum.cost)

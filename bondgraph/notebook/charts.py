@@ -16,7 +16,7 @@ from bondgraph.fitting.simulate import Solution, SolveStatus
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.recording import Recording
 from bondgraph.reporting.charts import Chart, Curve, chart
-from bondgraph.reporting.wording import number_words, percent, unit_words
+from bondgraph.reporting.wording import number_words, relative_error, unit_words
 from bondgraph.simulation.run import Run
 
 Array = NDArray[np.float64]
@@ -73,8 +73,8 @@ def solution_html(solution: Solution) -> str:
         for i, (name, unit) in enumerate(units)
     ]
     shown = _over_time(solution.recording, solution.time, channels, steady=False)
-    error = percent(solution.score.nrmse)
-    return f"{shown}<p>Error: {error} of the measured spread.</p>"
+    error = escape(relative_error(solution.score, "the measured spread"))
+    return f"{shown}<p>Error: {error}.</p>"
 
 
 def run_html(run: Run) -> str:

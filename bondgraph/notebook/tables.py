@@ -9,7 +9,7 @@ from bondgraph.fitting.result import Estimate, FitResult
 from bondgraph.reporting.wording import (
     NOTHING,
     number_words,
-    percent,
+    relative_error,
     unit_words,
     with_deviation,
 )
@@ -63,7 +63,7 @@ def _source(source: Provenance) -> str:
 
 def fit_html(result: FitResult) -> str:
     """Return how a fit ended, its estimates, and what it cannot know."""
-    score = f"Error: {percent(result.score.nrmse)} of the measured spread."
+    score = f"Error: {escape(relative_error(result.score, 'the measured spread'))}."
     cannot = "".join(
         f"<p>Not identifiable from these recordings: {escape(sentence)}.</p>"
         for sentence in result.unidentifiable

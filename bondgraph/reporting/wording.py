@@ -3,6 +3,7 @@
 import math
 
 from bondgraph.diagnosis.records import Verdict
+from bondgraph.fitting.result import Score
 
 VERDICTS = {
     Verdict.ADEQUATE: "Nothing is missing",
@@ -24,6 +25,17 @@ def percent(share: float | None) -> str:
     if share is None or not math.isfinite(share):
         return NOTHING
     return f"{number_words(100 * share, 3)} %"
+
+
+def relative_error(score: Score, of: str) -> str:
+    """Return a score in per cent `of` something, and which channels do not count."""
+    share = f"{percent(score.nrmse)} of {of}"
+    if not score.unchanging:
+        return share
+    resting = f"without {' and '.join(score.unchanging)}: recorded as one value only"
+    if len(score.unchanging) == len(score.rmse):
+        return f"no share of {of}, which never changes"
+    return f"{share} ({resting})"
 
 
 def number_words(value: float | None, digits: int = 4) -> str:

@@ -16,6 +16,7 @@ from bondgraph.diagnosis.records import Evidence, Finding, Support
 from bondgraph.diagnosis.search.rounds import Options, Round
 from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.spread import changes, spread
 
 
 def findings_of(
@@ -94,8 +95,10 @@ def _hardly_supported(
 def _as_evidence(judged: Judged) -> Evidence:
     fitted = judged.candidate.fitted
     residuals = fitted.residuals()
-    spread = np.nanstd(fitted.problem.shots.outputs, axis=0)
-    nrmse = np.sqrt(np.nanmean((residuals / np.where(spread > 0, spread, 1.0)) ** 2))
+    outputs = fitted.problem.shots.outputs
+    moving = changes(outputs)
+    relative = residuals[:, moving] / spread(outputs)[moving]
+    nrmse = np.sqrt(np.nanmean(relative**2)) if moving.any() else np.nan
     return Evidence(
         physics=judged.physics,
         place=judged.place,

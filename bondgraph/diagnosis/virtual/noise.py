@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.noise import estimate_noise
+from bondgraph.recordings.spread import size
 
 Array = NDArray[np.float64]
 FINEST = 1e-6
@@ -51,11 +52,10 @@ def noise_scale(fitted: FittedModel, recordings: Sequence[BoundRecording]) -> Ar
     What the recordings tell; where they cannot, the residual's size.
     """
     residual = np.sqrt(np.nanmean(fitted.residuals() ** 2, axis=0))
-    spread = np.nanstd(fitted.problem.shots.outputs, axis=0)
     told = [one.std for one in output_noise(recordings)]
     scale = np.array(
         [r if s is None else s for s, r in zip(told, residual, strict=True)]
     )
-    floor = FINEST * np.where(spread > 0.0, spread, 1.0)
+    floor = FINEST * size(fitted.problem.shots.outputs)
     positive: Array = np.maximum(scale, floor)
     return positive
