@@ -1,13 +1,19 @@
 """Types of the compiled functions, so that the time loop is compiled once for all.
 
 A machine's functions are passed to the loop as pointers of one type. Without that
-numba would compile the whole loop anew for every machine.
+numba would compile the whole loop anew for every machine. What is compiled is kept on
+disk, in a folder named by a digest of all sources that it is made of: numba by itself
+asks only whether a function's own file has changed, not what the function calls.
 """
 
+import hashlib
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
-from numba import njit, types
+from numba import config, njit, types
+
+HOME = Path(__file__).parent
 
 _VECTOR, _MATRIX = types.float64[::1], types.float64[:, ::1]
 _INTEGERS = types.int64[::1]
@@ -58,6 +64,27 @@ MARCH = types.Tuple((_MATRIX, _MATRIX, _MATRIX, _MATRIX))(
 )
 
 
-def compiled(signature: Any) -> Callable[[Callable[..., None]], Any]:
-    """Return the decorator that compiles a machine's function for the loop."""
-    return njit(signature)
+def _digest() -> str:
+    """Return a name for the sources of what is compiled, as they are."""
+    whole = hashlib.sha256()
+    loops = (HOME / f"{name}.py" for name in ("compiling", "laws", "stepping"))
+    for source in (*loops, *sorted((HOME / "machines").glob("*.py"))):
+        whole.update(source.name.encode() + b"\0" + source.read_bytes() + b"\0")
+    return whole.hexdigest()[:16]
+
+
+KEPT = HOME / "__pycache__" / f"loops-{_digest()}"
+
+
+def compiled(*signature: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Return the decorator of what the time loop is made of, of a type if stated."""
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        before = config.CACHE_DIR
+        config.CACHE_DIR = str(KEPT)  # numba asks while it decorates
+        try:
+            return njit(*signature, cache=True)(function)
+        finally:
+            config.CACHE_DIR = before
+
+    return decorate

@@ -13,7 +13,8 @@ Methods for Nonsmooth Dynamical Systems, 2008).
 import math
 
 import numpy as np
-from numba import njit
+
+from benchmarks.concealed.compiling import compiled
 
 NUMBERS = 6
 """Numbers per slot."""
@@ -30,7 +31,7 @@ TABLE = np.array([0.0, 1.0, 0.25, 0.9, 0.35])
 """Heights of the tabulated odd law at equal distances: no law of any textbook."""
 
 
-@njit
+@compiled()
 def smooth_effort(kind, a, s, w, memory):  # noqa: C901, PLR0912 - a branch per law
     """Return the effort against the motion of a law that is a function."""
     effort = 0.0
@@ -71,7 +72,7 @@ def smooth_effort(kind, a, s, w, memory):  # noqa: C901, PLR0912 - a branch per 
     return effort
 
 
-@njit
+@compiled()
 def dry_limits(kind, a, s, w, load):
     """Return the largest effort forward and backward that a dry law can oppose with.
 
@@ -93,7 +94,7 @@ def dry_limits(kind, a, s, w, load):
     return forward, backward
 
 
-@njit
+@compiled()
 def remember(kind, a, s, w, memory, h):
     """Move the memory of a law on by `h` seconds at flow `w` and displacement `s`."""
     if kind == BOUC_WEN:

@@ -13,9 +13,8 @@ closed: the controller sees what the sensor gives, noise and steps included.
 import math
 
 import numpy as np
-from numba import njit
 
-from benchmarks.concealed.compiling import MARCH, PUSH
+from benchmarks.concealed.compiling import MARCH, PUSH, compiled
 from benchmarks.concealed.laws import DRY, dry_limits, remember, smooth_effort
 
 SWEEPS = 8
@@ -26,7 +25,7 @@ OUT_NONE, OUT_SCALE, OUT_BIAS, OUT_CUBIC, OUT_LAG, OUT_DELAY, OUT_CLIP = range(7
 OUT_DRIFT = 7
 
 
-@njit
+@compiled()
 def solve_spd(M, b, n):
     """Solve M x = b in place of b for a small positive definite M (Cholesky)."""
     for i in range(n):
@@ -45,7 +44,7 @@ def solve_spd(M, b, n):
         b[i] /= M[i, i]
 
 
-@njit
+@compiled()
 def through_input(kind, a, command, commands, k, into, dt, state, speed):
     """Return what reaches the machine of a commanded input, `into` s after sample k."""
     applied = command
@@ -67,7 +66,7 @@ def through_input(kind, a, command, commands, k, into, dt, state, speed):
     return applied
 
 
-@njit
+@compiled()
 def through_sensor(kind, a, reading, fine, at, h, state):
     """Return what a sensor gives for the true `reading`; `fine` holds the past."""
     given = reading
@@ -88,7 +87,7 @@ def through_sensor(kind, a, reading, fine, at, h, state):
     return given
 
 
-@njit(PUSH)
+@compiled(PUSH)
 def push(  # noqa: PLR0912, C901 - one loop over laws, kept in one piece for speed
     forces, masses, q, v, z, u, p, acceleration, slots, h, v_at, z_at,
     v_new, z_new, F, g, load, stored, M,
@@ -153,7 +152,7 @@ def push(  # noqa: PLR0912, C901 - one loop over laws, kept in one piece for spe
             break
 
 
-@njit(MARCH)
+@compiled(MARCH)
 def march(  # noqa: PLR0912, PLR0915, C901 - the time loop of the whole simulation
     forces, masses, readings, p, start, slots, inputs, sensors, control,
     feed, reference, noise, early, dt, fine,
