@@ -59,7 +59,7 @@ def choices(
 def offer_bonds(board: StrokeBoard, offered: list[Choice]) -> bool:
     """Append the bonds between junctions that are still free; False if none is."""
     free = [
-        Choice(bond, head, Rule.CHOICE, Rule.CHOICE, tail, board.bonds[bond].name)
+        Choice(bond, head, Rule.CHOICE, Rule.TURNED, tail, board.bonds[bond].name)
         for bond, (tail, head) in enumerate(board.ends)
         if board.stroke[bond] == FREE
     ]
@@ -132,7 +132,7 @@ def _resistance(
     board: StrokeBoard, bond: int, node: int, port: str, gives_effort: bool
 ) -> Choice:
     at = board.other(bond, node) if gives_effort else node
-    return Choice(bond, at, Rule.CHOICE, Rule.CHOICE, node, port)
+    return Choice(bond, at, Rule.CHOICE, Rule.TURNED, node, port)
 
 
 def _ease_of_derivative(storage: Storage) -> int:

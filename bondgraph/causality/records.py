@@ -30,11 +30,18 @@ class Rule(Enum):
     INTEGRAL = auto()
     DERIVATIVE = auto()
     CHOICE = auto()
+    TURNED = auto()  # the other one, because what was chosen led to a conflict
     WISH = auto()  # what the author prefers
     UNMET = auto()  # the other one, because the wish led to a conflict
     SUPPLIED = auto()  # the junction has its effort (flow) already
     LAST = auto()  # the last bond that can supply the junction
     TWO_PORT = auto()
+
+
+_AGAINST = {
+    Rule.UNMET: " against the author's wish, which led to a conflict",
+    Rule.TURNED: ", because otherwise there was a conflict",
+}
 
 
 class CausalStep(NamedTuple):
@@ -65,9 +72,8 @@ class CausalStep(NamedTuple):
                 return f"{who} is derivative, because integral led to a conflict"
             case Rule.WISH:
                 return f"{who} gives {gives}, as its author prefers"
-            case Rule.UNMET:
-                wish = "against the author's wish, which led to a conflict"
-                return f"{who} gives {gives} {wish}"
+            case Rule.UNMET | Rule.TURNED:
+                return f"{who} gives {gives}{_AGAINST[self.rule]}"
             case Rule.CHOICE:
                 chosen = f"was chosen to give {gives}"
                 return f"{who} may give effort or flow, and {chosen}"
