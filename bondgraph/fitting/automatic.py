@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.fitting.first_states import first_guess
 from bondgraph.fitting.growing import TOLERANCE, held_weakly, rescaled
 from bondgraph.fitting.horizon import (
     SHORTEST,
@@ -101,16 +102,20 @@ def accumulates(
     """Return whether the effect of an initial state on the outputs does not fade.
 
     True for integrators and unstable plants, judged by the sensitivity of the outputs
-    to the initial state over the longest recording.
+    to the initial state over the longest recording. A machine with dry friction is
+    judged where it moves: what sticks keeps its state for ever.
     """
     longest = max(recordings, key=len)
     shots = cut([longest], WholeRecordings())
     problem = pose(graph, model, shots, settings)
+    initial = np.zeros((shots.n_windows, model.n_states))
+    if model.set_valued is not None:
+        initial = first_guess(problem, problem.start[problem.free])
     shot = shoot(
         model,
         shots,
         parameters=problem.start,
-        initial=np.zeros((shots.n_windows, model.n_states)),
+        initial=initial,
         directions=np.zeros(0, np.int64),
         solver=settings.solver,
         hold=settings.hold,

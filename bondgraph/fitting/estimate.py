@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from bondgraph.fitting.automatic import accumulates, automatic_horizon, choose_horizon
 from bondgraph.fitting.combinations import barely_known, combination_sentences
+from bondgraph.fitting.first_states import first_guess
 from bondgraph.fitting.fitted import FittedModel
 from bondgraph.fitting.horizon import Automatic, WholeRecordings, cut
 from bondgraph.fitting.identifiability import RECORDED, around
@@ -20,7 +21,7 @@ from bondgraph.fitting.problem import FitProblem, Linearisation
 from bondgraph.fitting.result import Estimate, FitResult, FitStatus, Score
 from bondgraph.fitting.settings import FitSettings
 from bondgraph.fitting.solver_error import solver_error
-from bondgraph.fitting.solving import first_guess, solve, solve_from
+from bondgraph.fitting.solving import solve, solve_from
 from bondgraph.fitting.starts import ManyStarts
 from bondgraph.fitting.uncertainty import Uncertainty, uncertainty
 from bondgraph.numeric.model import NumericModel
@@ -212,7 +213,7 @@ def report(
     coloured = bool(problem.correlation.any())
     phi = zip(problem.model.output_names, map(float, problem.correlation), strict=False)
     return FitResult(
-        status=_status(problem, optimum),
+        status=_status(problem, optimum, known),
         model=with_estimates(fitted.graph, estimates, sources),
         estimates=estimates,
         score=score(problem.model, problem.shots, fitted.residuals()),
@@ -266,11 +267,13 @@ def _unidentifiable(fitted: FittedModel, known: Uncertainty) -> tuple[str, ...]:
     return combination_sentences(fitted.free_names, points, RECORDED) if points else ()
 
 
-def _status(problem: FitProblem, optimum: Optimum) -> FitStatus:
+def _status(problem: FitProblem, optimum: Optimum, known: Uncertainty) -> FitStatus:
     if not math.isfinite(optimum.cost):
         return FitStatus.SIMULATION_FAILED
     if not len(problem.free):
         return FitStatus.NO_FREE_PARAMETERS
+    if len(known.null) == len(problem.free):
+        return FitStatus.NO_EFFECT
     return FitStatus.CONVERGED if optimum.converged else FitStatus.ITERATION_LIMIT
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bondgraph.errors import FitError, did_you_mean
 from bondgraph.fitting.filter_setting import Filtered, Setting, Unknowns
 from bondgraph.fitting.filtering import filtered
+from bondgraph.fitting.first_states import first_guess
 from bondgraph.fitting.growing import cut_finer
 from bondgraph.fitting.horizon import SHORTEST, WholeRecordings, cut
 from bondgraph.fitting.kalman_choices import KalmanFilter
@@ -17,7 +18,6 @@ from bondgraph.fitting.levenberg_marquardt import minimise, settle
 from bondgraph.fitting.posing import pose, prepare
 from bondgraph.fitting.problem import FitProblem, Linearisation
 from bondgraph.fitting.settings import FitSettings
-from bondgraph.fitting.solving import first_guess
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.shooting import Shots
 from bondgraph.structure.graph import FinishedGraph

@@ -33,6 +33,12 @@ TOLD_STD = 0.1
 """No step shorter than this, in standard deviations of a white fit, is worth taking."""
 
 REPAIR_ITERATIONS = 4
+ROUNDING = 1e-10
+"""An initial state whose effect is this part of what it can be is not told at all.
+
+Where dry friction sticks at once, the momentum before has no effect but rounding, and a
+step worth that would be an enormous one.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +73,11 @@ def settle(
     nq = len(theta)
     damping = np.full(len(best.cost), 1e-6)
     active = np.isfinite(best.cost)
+    seen = _effects(best, nq)
     for _ in range(iterations):
-        inverse = truncated_inverse(damped(best.hessian[:, nq:, nq:], damping))
+        told = _effects(best, nq) > ROUNDING**2 * seen.max(axis=0)
+        own = best.hessian[:, nq:, nq:] * (told[:, :, None] & told[:, None, :])
+        inverse = truncated_inverse(damped(own, damping))
         move = np.einsum("wij,wj->wi", inverse, best.slope[:, nq:])
         promised = np.einsum("wi,wi->w", best.slope[:, nq:], move)
         active &= promised > SETTLED * best.cost
@@ -76,6 +85,7 @@ def settle(
             break
         trial = np.where(active[:, None], initial + move, initial)
         new = linearise_windows(problem, theta, trial)
+        seen = np.maximum(seen, _effects(new, nq))
         better = active & (new.cost < best.cost)
         old = np.where(better, best.cost, 0.0)
         gained = np.where(better, old - np.where(better, new.cost, 0.0), 0.0)
@@ -86,6 +96,12 @@ def settle(
         if not active.any():
             break
     return initial, best
+
+
+def _effects(at: Linearisation, nq: int) -> Array:
+    """Return the squared effect of each window's initial state on it, (n, nx)."""
+    effects: Array = np.einsum("wii->wi", at.hessian)[:, nq:]
+    return effects
 
 
 def _choose(

@@ -17,6 +17,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.fitting.first_states import first_guess
 from bondgraph.fitting.growing import cut_finer, held_weakly
 from bondgraph.fitting.levenberg_marquardt import settle
 from bondgraph.fitting.problem import FitProblem, parts, prior_residuals
@@ -65,8 +66,7 @@ def shoot_multiply(
     longest = max(int(size) for size in np.diff(problem.shots.edges))
     short = cut_finer(problem.shots, max(longest // strategy.windows, 2))
     cut = held_weakly(replace(problem, shots=short), theta)
-    origin = np.zeros((short.n_windows, problem.model.n_states))
-    states, at = settle(cut, theta, origin, SETTLES)
+    states, at = settle(cut, theta, first_guess(cut, theta), SETTLES)
     scale = np.std(at.states, axis=0)
     joined = _join(cut, problem.shots, np.where(scale > 0.0, scale, 1.0))
     here = _point(joined, theta, states)

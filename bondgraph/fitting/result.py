@@ -15,6 +15,9 @@ class FitStatus(StrEnum):
     CONVERGED = "The fit converged."
     NO_FREE_PARAMETERS = "Nothing was fitted: every parameter is exact."
     ITERATION_LIMIT = "The fit stopped at its iteration limit before it converged."
+    NO_EFFECT = (
+        "Nothing was fitted: no free parameter has an effect on what was simulated."
+    )
     SIMULATION_FAILED = "The model could not be simulated at the start values."
 
 

@@ -1,12 +1,10 @@
 """From start values to an optimum: settle the initial states, approach, descend."""
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.fitting.first_states import first_guess
 from bondgraph.fitting.growing import first_windows, grow
-from bondgraph.fitting.horizon import SHORTEST
 from bondgraph.fitting.levenberg_marquardt import Optimum, minimise, settle
 from bondgraph.fitting.multiple_shooting import shoot_multiply
 from bondgraph.fitting.problem import FitProblem
@@ -86,18 +84,3 @@ def approach(
             return grow(problem, theta, first_guess(first, theta), strategy)
         case MultipleShooting():
             return shoot_multiply(problem, theta, strategy)
-
-
-def first_guess(problem: FitProblem, theta: Array) -> Array:
-    """Return initial states that fit the first samples of every window.
-
-    From zero, over a short stretch, the fit is nearly linear; from there the long one
-    starts close enough.
-    """
-    shots = problem.shots
-    zeros = np.zeros((shots.n_windows, problem.model.n_states))
-    if max(np.diff(shots.edges)) <= 2 * SHORTEST:
-        return zeros
-    short = shots.subset(np.arange(shots.n_windows), SHORTEST)
-    initial, _ = settle(replace(problem, shots=short), theta, zeros)
-    return initial

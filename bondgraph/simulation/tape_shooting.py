@@ -1,13 +1,13 @@
 """Windows simulated by the tape's kernel, in native code while friction modes last."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.numeric.held_modes import with_modes_given
 from bondgraph.numeric.model import NumericModel
-from bondgraph.numeric.set_valued import SetValuedForm
 from bondgraph.simulation.engines import Engine
 from bondgraph.simulation.shots import Shots
 from bondgraph.simulation.solvers import Implicit
@@ -129,26 +129,10 @@ def _fast(
         native_model,
     )
 
-    form = model.set_valued
-    held = None if form is None else _held(model, form)
+    form, held = model.set_valued, with_modes_given(model)
     if form is None or held is None or not engine.compiles(held, samples):
         return Fast(NativeSystem(*(0,) * 13, False, False), 0, False), None
     native = native_model(held, sensitive=sensitive)
     arguments = compiled_text(module_text([values_of(form.arguments, "arguments")]))
     fast = Fast(native.system, arguments["arguments"], True)
     return fast, (native, arguments)
-
-
-def _held(model: NumericModel, form: SetValuedForm) -> NumericModel:
-    """Return the ordinary model that one with friction is while its modes last."""
-    dry = len(form.places)
-    return replace(
-        model,
-        dynamics=form.held,
-        output=form.output,
-        n_unknowns=model.n_unknowns + dry,
-        parameter_names=(*model.parameter_names, *("",) * (2 * dry)),
-        linear=form.linear,
-        instantaneous=form.instantaneous,
-        set_valued=None,
-    )

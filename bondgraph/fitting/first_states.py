@@ -1,0 +1,60 @@
+"""Initial states to start from: those that fit the first samples of every window.
+
+From zero, over a short stretch, the fit is nearly linear; from there the long one
+starts close enough. Where dry friction sticks that is not so: at rest no state moves
+the outputs by its flow, and a machine that was let go, or pushed, looks as if it had
+always stood where it stands on average. So the states are also sought in the same
+machine with its frictions let go of, in which every flow shows, and taken from there
+where they fit better in the machine itself.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.fitting.horizon import SHORTEST
+from bondgraph.fitting.levenberg_marquardt import settle
+from bondgraph.fitting.problem import FitProblem
+from bondgraph.numeric.held_modes import with_modes_given
+
+Array = NDArray[np.float64]
+
+
+def first_guess(problem: FitProblem, theta: Array) -> Array:
+    """Return initial states that fit the first samples of every window, (n, nx)."""
+    shots = problem.shots
+    zeros = np.zeros((shots.n_windows, problem.model.n_states))
+    if max(np.diff(shots.edges)) > 2 * SHORTEST:
+        problem = replace(
+            problem, shots=shots.subset(np.arange(shots.n_windows), SHORTEST)
+        )
+    elif problem.model.set_valued is None:
+        return zeros
+    initial, here = settle(problem, theta, zeros)
+    moving = states_in_motion(problem, theta)
+    if moving is None:
+        return initial
+    moving, there = settle(problem, theta, moving)
+    return np.where((there.cost < here.cost)[:, None], moving, initial)
+
+
+def states_in_motion(problem: FitProblem, theta: Array) -> Array | None:
+    """Return initial states that fit without dry friction; None where nothing is dry.
+
+    Whole windows are fitted, so they should be short.
+    """
+    free = with_modes_given(problem.model)
+    if free is None:
+        return None
+    more = len(free.parameter_names) - len(problem.model.parameter_names)
+    loose = replace(
+        problem,
+        model=free,
+        start=np.append(problem.start, np.zeros(more)),
+        low=np.append(problem.low, np.full(more, -np.inf)),
+        high=np.append(problem.high, np.full(more, np.inf)),
+        prior_std=np.append(problem.prior_std, np.full(more, np.inf)),
+    )
+    zeros = np.zeros((problem.shots.n_windows, free.n_states))
+    return settle(loose, theta, zeros)[0]
