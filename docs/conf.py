@@ -12,7 +12,14 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
-from bookmaking import links, mathml, notebooks, reference, writing  # noqa: E402
+from bookmaking import (  # noqa: E402
+    links,
+    markup,
+    mathml,
+    notebooks,
+    reference,
+    writing,
+)
 
 import bondgraph  # noqa: E402
 
@@ -75,4 +82,5 @@ def setup(app):  # type: ignore[no-untyped-def]
     app.connect("autodoc-process-docstring", reference.escape_bars)
     app.connect("doctree-read", links.name_files_outside)
     app.connect("doctree-read", notebooks.read_as_ipython)
+    app.connect("build-finished", markup.mend_all)
     app.connect("config-inited", lambda app, config: writing.write_all(HERE))

@@ -26,6 +26,8 @@ _STYLE = """<style>
 .bondgraph-answer td,.bondgraph-answer th{text-align:left;padding:2px 14px 2px 0}
 .bondgraph-scroll{overflow-x:auto}
 </style>"""
+# What scrolls is reached by the keyboard.
+_SCROLLED = '<div class="bondgraph-scroll" tabindex="0">{}</div>'
 
 
 def graph_html(
@@ -43,7 +45,7 @@ def graph_html(
         The causality to show, if any.
     """
     picture = draw_svg(graph, assignment=assignment, signals=True)
-    return f'{_STYLE}<div class="bondgraph-scroll">{picture}</div>'
+    return f"{_STYLE}{_SCROLLED.format(picture)}"
 
 
 def diagnosis_html(diagnosis: Diagnosis) -> str:
@@ -73,6 +75,5 @@ def diagnosis_html(diagnosis: Diagnosis) -> str:
     return (
         f'{_STYLE}<div class="bondgraph-answer"><h3>{VERDICTS[diagnosis.verdict]}</h3>'
         f"<p>{escape(diagnosis.statement)}</p><p>{errors}</p>"
-        f'<div class="bondgraph-scroll">{diagnosis_picture(diagnosis)}</div>'
-        f"{table}{next_step}</div>"
+        f"{_SCROLLED.format(diagnosis_picture(diagnosis))}{table}{next_step}</div>"
     )

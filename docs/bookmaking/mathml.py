@@ -28,5 +28,5 @@ def _inline(translator: Any, node: nodes.math) -> None:
 
 def _block(translator: Any, node: nodes.math_block) -> None:
     drawn = convert(_readable(node.astext()), display="block")
-    translator.body.append(f'<div class="formula">{drawn}</div>')
+    translator.body.append(f'<div class="formula" tabindex="0">{drawn}</div>')
     raise nodes.SkipNode
