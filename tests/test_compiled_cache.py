@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numba
+import numpy as np
 import pytest
 from numba import njit
 
@@ -16,6 +17,7 @@ import bondgraph
 from bondgraph.numeric.compiled.cache import SOURCES, UNUSED, cache_folder, kept_in
 from bondgraph.numeric.compiled.loops import FOLDER
 from bondgraph.numeric.kernel.machine import run
+from bondgraph.simulation.shots import Shots
 
 
 @pytest.fixture
@@ -136,3 +138,16 @@ def test_decorating_in_several_threads_leaves_numba_s_setting_as_it_was(package)
         paths = set(pool.map(decorated, range(32)))
     assert {Path(path).parent for path in paths} == {package}
     assert numba.config.CACHE_DIR == ""
+
+
+def test_however_samples_are_laid_out_one_loop_is_compiled_for_them():
+    rows = np.arange(12.0).reshape(6, 2)
+    frozen = rows.copy()
+    frozen.flags.writeable = False
+    laid_out = (rows, frozen, np.asfortranarray(rows), np.repeat(rows, 2, axis=0)[::2])
+    assert len({numba.typeof(values) for values in laid_out}) == len(laid_out)
+    shots = [Shots(values[:, 0], values, rows, (0, 6)) for values in laid_out]
+    assert len({numba.typeof(shot.inputs) for shot in shots}) == 1
+    assert len({numba.typeof(shot.time) for shot in shots}) == 1
+    assert all(np.array_equal(shot.inputs, rows) for shot in shots)
+    assert rows.flags.writeable  # what was given stays the giver's

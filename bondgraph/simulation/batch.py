@@ -17,7 +17,8 @@ from bondgraph.errors import ParameterError, RecordingError, did_you_mean
 from bondgraph.numeric.model import NumericModel, compile_model
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.native_shooting import refuse_implicit
-from bondgraph.simulation.shooting import Shots, shoot
+from bondgraph.simulation.shooting import shoot
+from bondgraph.simulation.shots import Shots, as_loops_take
 from bondgraph.simulation.solvers import Hold, RungeKutta4, Solver
 from bondgraph.simulation.threads import in_parallel
 from bondgraph.structure.graph import FinishedGraph
@@ -109,8 +110,7 @@ def simulate_batch(
     start = np.zeros((len(values), model.n_states))
     for name, value in (initial or {}).items():
         start[:, _position(name, model.state_names, "state", model.name)] = value
-    time = np.ascontiguousarray(recording.time, dtype=np.float64)
-    inputs = np.ascontiguousarray(recording.inputs, dtype=np.float64)
+    time, inputs = as_loops_take(recording.time), as_loops_take(recording.inputs)
     simulated = np.full((len(values), len(time), len(model.output_names)), np.nan)
     done = np.zeros(len(values), dtype=np.int64)
     if isinstance(solver, RungeKutta4):

@@ -20,7 +20,8 @@ class Shots:
     Parameters
     ----------
     time, inputs, outputs
-        Samples of all windows: (n,), (n, nu), (n, ny); a missing output is NaN.
+        Samples of all windows: (n,), (n, nu), (n, ny); a missing output is NaN. Time
+        and inputs are kept as compiled loops take them, see `as_loops_take`.
     edges
         Window k holds the samples ``edges[k]:edges[k + 1]``.
     """
@@ -29,6 +30,10 @@ class Shots:
     inputs: Array
     outputs: Array
     edges: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("time", "inputs"):
+            object.__setattr__(self, name, as_loops_take(getattr(self, name)))
 
     @property
     def n_windows(self) -> int:
@@ -85,3 +90,14 @@ class Shooting:
     modes: NDArray[np.int64] | None = None
     since: Array | None = None
     impacts: tuple[tuple[Event, ...], ...] = ()
+
+
+def as_loops_take(values: Array) -> Array:
+    """Return samples laid out as compiled loops take them: row by row, read only.
+
+    For every other layout numba would compile the whole loop anew, for most of a
+    minute.
+    """
+    rows = np.ascontiguousarray(values, dtype=np.float64).view()
+    rows.flags.writeable = False
+    return rows

@@ -147,7 +147,7 @@ def linear_chain(
         gamma=_spread(steps[:, :, nq:end], following, len(states)),
         gamma_theta=_spread(steps[:, :, :nq], following, len(states)),
         jump=jump,
-        read=at[:, :ny, end:],
+        read=np.ascontiguousarray(at[:, :ny, end:]),
         direct=at[:, :ny, nq:end],
         read_theta=at[:, :ny, :nq],
     )
