@@ -13,6 +13,7 @@ from bondgraph import BondGraph, C, I, R, Se
 from bondgraph.diagnosis.diagnose import diagnose
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.rounds import Options
+from bondgraph.errors import RecordingError
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.recordings.binding import BoundRecording, bind
 from bondgraph.recordings.recording import Recording
@@ -53,10 +54,10 @@ def motion(seed: int) -> tuple[Array, Array]:
 
 def recorded(seed: int, channel: str, spoil: Spoil) -> BoundRecording:
     force, states = motion(seed)
-    values = {"position": states[:, 0], "velocity": states[:, 1]}
+    values = {"force": force, "position": states[:, 0], "velocity": states[:, 1]}
     values[channel] = spoil(values[channel])
     units = {"position": "m", "velocity": "m/s"}
-    channels = {"force": (force, "N")}
+    channels = {"force": (values["force"], "N")}
     channels |= {name: (values[name], unit) for name, unit in units.items()}
     recording = Recording.from_arrays(f"run {seed}", STEP * np.arange(COUNT), channels)
     return bind(recording, {"force": "N"}, units)
@@ -88,6 +89,36 @@ def test_what_a_sensor_gets_wrong_is_found_at_that_sensor(
     assert estimate.value == pytest.approx(value, rel=3e-3)
     # What the slip hid is found as well: the machine's own parameters.
     assert diagnosis.fit_after.estimate("mass").value == pytest.approx(MASS, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "factor", "words"),
+    [
+        (lambda u: -u, -1.0, "with the wrong sign"),
+        (lambda u: u / 1000, 1e3, "in a unit a thousand times larger than it says"),
+    ],
+    ids=["wrong sign", "wrong unit"],
+)
+def test_what_was_recorded_wrong_of_an_input_is_found_at_that_input(
+    spoil, factor, words
+):
+    diagnosis = diagnosed("force", spoil)
+    assert diagnosis.verdict is Verdict.PHYSICS_MISSING, diagnosis.statement
+    (finding,) = diagnosis.findings
+    assert (finding.physics, finding.place) == ("input_scale", "force")
+    assert diagnosis.statement == (
+        f"Input scale at force was left out: force is recorded {words}."
+    )
+    improved = diagnosis.fit_after
+    assert improved.model.parameters["input_scale_force"].value == factor
+    assert improved.estimate("mass").value == pytest.approx(MASS, rel=0.01)
+
+
+@pytest.mark.parametrize("value", [0.0, 0.37])
+def test_a_sensor_that_is_stuck_is_refused_with_its_value(value):
+    # It would be "explained" by any law that stops what it reads.
+    with pytest.raises(RecordingError, match=f"velocity.*{value:g} throughout.*stuck"):
+        diagnosed("velocity", lambda v: np.full_like(v, value))
 
 
 def test_misread_samples_are_set_aside_and_told():

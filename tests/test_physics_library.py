@@ -124,7 +124,7 @@ def test_it_fits_into_the_graph_and_is_told_in_words(number):
     states = getattr(hypothesis.edit, "states", ())
     rates = [state.rate for state in states]
     used = {s.name for x in (hypothesis.law, *rates) for s in x.free_symbols}
-    assert used & {*hypothesis.parameters}
+    assert used & {parameter.name for parameter in hypothesis.edit.parameters}
     assert len(new.parameters) <= len(graph.parameters) + len(
         hypothesis.edit.parameters
     )

@@ -15,7 +15,7 @@ import numpy as np
 
 from bondgraph.diagnosis.answer.telling import answer
 from bondgraph.diagnosis.answer.verdict import excusable
-from bondgraph.diagnosis.misreadings import without_misreadings
+from bondgraph.diagnosis.misreadings import refuse_unchanging, without_misreadings
 from bondgraph.diagnosis.records import Diagnosis
 from bondgraph.diagnosis.search.between_samples import finely_stepped, fitted_either_way
 from bondgraph.diagnosis.search.plainer import without_needless_parts
@@ -61,8 +61,11 @@ def diagnose(
     ------
     FitError
         If the base model cannot be simulated at all.
+    RecordingError
+        If a measured output never changes in any of the training recordings.
     """
     chosen = Options() if options is None else options
+    refuse_unchanging(recordings)
     read, kept_back = without_misreadings(recordings), without_misreadings(held_out)
     recordings, held_out = read.recordings, kept_back.recordings
     progress("fitting the base model")

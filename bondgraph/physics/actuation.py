@@ -1,12 +1,14 @@
 """Inputs that do not do what they are asked: scale, saturation, dead zone."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Place
 from bondgraph.physics.places.channels import InputPlace
+from bondgraph.physics.slips import SLIPS, own_values
 
 
 class InputScale(AbstractPhysics):
@@ -25,6 +27,15 @@ class InputScale(AbstractPhysics):
         law = scale.symbol * place.signal
         words = f"{place.name} acts in another proportion than commanded"
         yield self.hypothesis(place, place.become(law, scale), law, (scale,), words)
+        # All else in proportion does the same, so a free factor is not determined; a
+        # slip is, where the parameters cannot follow: there is no negative mass.
+        for factor, slip in SLIPS.items():
+            fixed = place.constant("input_scale", "1", factor)
+            law = fixed.symbol * place.signal
+            edit = place.become(law, fixed, nested=False)
+            words = f"{place.name} is recorded {slip}"
+            slipped = self.hypothesis(place, edit, law, (fixed,), words)
+            yield replace(slipped, starts=(own_values(place),))
 
 
 class Saturation(AbstractPhysics):

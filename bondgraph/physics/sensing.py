@@ -8,12 +8,10 @@ import sympy
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Place, Q
 from bondgraph.physics.places.channels import OutputPlace
+from bondgraph.physics.slips import SLIPS, own_values
 from bondgraph.structure.elements import Compliance
 from bondgraph.structure.nodes import written_laws
 from bondgraph.structure.signals import Signal, parameters_in, signals_in
-
-SLIPS = (-1.0, 1e3, 1e-3)
-"""Factors of a wrong sign and of a wrong unit: what people get wrong at one stroke."""
 
 
 class SensorScale(AbstractPhysics):
@@ -32,17 +30,10 @@ class SensorScale(AbstractPhysics):
         law = scale.symbol * place.signal
         words = f"{place.name} reads in another proportion than what is there"
         yield self.hypothesis(place, place.become(law, scale), law, (scale,), words)
-        # A fit to a wrong sign or unit is no place to begin from: the user's own
-        # values are, and no slope at a factor of one tells what they promise.
-        own = {
-            p.name: p.value
-            for p in place.graph.parameters.values()
-            if p.value is not None and p.std is None
-        }
         slip = place.become(law, scale, nested=False)
         slipped = self.hypothesis(place, slip, law, (scale,), words)
-        starts = tuple({scale.name: factor, **own} for factor in SLIPS)
-        yield replace(slipped, starts=starts)
+        own = own_values(place)
+        yield replace(slipped, starts=tuple({scale.name: x, **own} for x in SLIPS))
 
 
 class SensorBias(AbstractPhysics):

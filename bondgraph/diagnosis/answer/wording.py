@@ -63,7 +63,7 @@ def finding_statement(
             f"{_capital(name_of(chosen.physics))} at {chosen.place} was left out: "
             f"{hypothesis.words}"
         )
-    text = opening if not numbers else f"{opening} ({numbers})."
+    text = f"{opening} ({numbers})." if numbers else f"{opening.rstrip('.')}."
     if places:
         text += f" These recordings do not tell {chosen.place} from {_or(places)}."
     other_laws = dict.fromkeys(
