@@ -2,23 +2,31 @@
 
 Python blocks of a page run in order, in one namespace and an empty folder. Shell blocks
 call the program with the files that the page speaks of; one that is not run says why in
-a comment above it: ``<!-- not run: reason -->``.
+a comment above it: ``<!-- not run: reason -->``. A command or an option that a sentence
+speaks of exists.
 """
 
+import doctest
 import re
 import shlex
+import shutil
+import subprocess
+from importlib import import_module
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.io import savemat
 
-from bondgraph.cli.program import program
+from bondgraph import C99, BondGraph, I, R, Se, export
+from bondgraph.cli.program import COMMANDS, program
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
 PAGES = sorted(p for p in DOCS.rglob("*.md") if "generated" not in p.parts)
+OUTSIDE = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md")]
 SHELL = re.compile(
     r"(?:<!-- not run: (.+?) -->\n)?```(?:sh|shell|bash)\n(.*?)^```", re.M | re.S
 )
@@ -109,3 +117,88 @@ def test_the_commands_of_a_page_are_served(
             answer = CliRunner().invoke(program, words[1:])
             served = {0, 1} if words[1] == "diff" else {0}
             assert answer.exit_code in served, f"{line}\n{answer.output}"
+
+
+SHOWN = {
+    "python": "run by a test here; that of the README by one of the repository",
+    "sh": "run by a test here, or says why it is not",
+    "toml": "laid out for the commands of its page",
+    "c": "compiled by a test here",
+    "matlab": "run by the tests of the export, where Octave is",
+    "text": "what something prints",
+    "{include}": "", "{toctree}": "", "{raw}": "", "{eval-rst}": "",
+}  # fmt: skip
+FENCE = re.compile(r"^ *```+ *(\S*).*\n((?:.*\n)*?) *```+ *$", re.M)
+COMMAND = re.compile(
+    r"^\s*(?:\$ |bondgraph |python3? |pip |\.venv/|sphinx-build )", re.M
+)
+
+
+@pytest.mark.parametrize("page", [*PAGES, *OUTSIDE], ids=lambda page: page.stem)
+def test_every_block_is_of_a_kind_that_is_tried(page: Path) -> None:
+    for language, block in FENCE.findall(page.read_text(encoding="utf-8")):
+        assert language in SHOWN, f"{page.name}: {block}"
+        if language == "text":
+            assert not COMMAND.search(block), f"{page.name} hides a command: {block}"
+
+
+def test_every_block_of_the_readme_is_run_or_says_why_not() -> None:
+    readme = OUTSIDE[0].read_text(encoding="utf-8")
+    commands = SHELL.findall(readme)
+    assert len(commands) == readme.count("```sh\n") == 3
+    assert all(reason for reason, _ in commands)
+
+
+@pytest.mark.parametrize("page", [*PAGES, *OUTSIDE], ids=lambda page: page.stem)
+def test_commands_and_options_spoken_of_exist(page: Path) -> None:
+    root = click.Context(program, info_name="bondgraph")
+    options = {
+        option
+        for command in (program, *(program.get_command(root, n) for n in COMMANDS))
+        if command is not None
+        for parameter in command.params
+        for option in (*parameter.opts, *parameter.secondary_opts)
+    } | {"--help", "--version"}
+    text = FENCE.sub("", page.read_text(encoding="utf-8"))
+    for said in re.findall(r"`([^`]+)`", text):
+        first, *words = said.split()
+        if first == "bondgraph" and words and words[0].isalpha() and words[0].islower():
+            assert words[0] in COMMANDS, f"{page.name}: {said}"
+        if first == "bondgraph" or (first[:2] == "--" and "benchmarks." not in text):
+            found = {w.partition("=")[0] for w in (first, *words) if w[:2] == "--"}
+            assert found <= options, f"{page.name}: {said}"
+
+
+WITH_EXAMPLES = [
+    ".".join(path.relative_to(ROOT).with_suffix("").parts)
+    for path in sorted((ROOT / "bondgraph").rglob("*.py"))
+    if ">>> " in path.read_text(encoding="utf-8")
+]
+
+
+@pytest.mark.parametrize("module", WITH_EXAMPLES)
+def test_examples_in_docstrings_print_what_they_say(module: str) -> None:
+    result = doctest.testmod(import_module(module))
+    assert result.attempted > 0
+    assert result.failed == 0
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not here")
+def test_the_c_of_the_page_on_exports_compiles_and_runs(tmp_path: Path) -> None:
+    (block,) = re.findall(
+        r"^```c\n(.*?)^```", (DOCS / "export.md").read_text(), re.M | re.S
+    )
+    include, _, body = block.partition("\n\n")
+    leg = BondGraph("leg", domain="rotation")
+    leg.one("joint", Se("torque"), I("shank"), R("c"))
+    leg.parameter("shank", 0.1, "kg*m^2")
+    leg.parameter("c", 0.3, "N*m*s")
+    leg.measure("angle", displacement="joint")
+    for file in export(leg.finish(), C99("leg")):
+        (tmp_path / file.name).write_text(file.text, encoding="utf-8")
+    given = "double t = 0.0, u[1] = {0.1};"
+    text = f"{include}\nint main(void) {{ {given} {body} return status; }}\n"
+    (tmp_path / "main.c").write_text(text, encoding="utf-8")
+    words = ["gcc", "leg.c", "main.c", "-o", "run", "-lm"]
+    subprocess.run(words, cwd=tmp_path, check=True)
+    assert subprocess.run([tmp_path / "run"], check=False).returncode == 0
