@@ -250,6 +250,16 @@ def test_every_verdict_fits_a_telephone(
         assert ("model" in names) is (verdict is not Verdict.PHYSICS_MISSING)
 
 
+def test_what_was_inserted_is_seen_first_on_a_telephone(
+    browser: Any, report: Path
+) -> None:
+    with opened(browser, report, viewport=PHONE) as page:
+        left, right = page.locator(".bondgraph .inserted.element").evaluate(
+            "one => (({left, right}) => [left, right])(one.getBoundingClientRect())"
+        )
+    assert 0 <= left < right <= PHONE["width"]
+
+
 def test_a_million_samples_keep_every_spike_and_few_points(
     browser: Any, tmp_path: Path
 ) -> None:

@@ -14,6 +14,14 @@
     });
   });
 
+  /* On a narrow screen a wide graph is first seen where something is new. */
+  const added = document.querySelector(".bondgraph .inserted.element");
+  const aside = added?.closest(".wide");
+  if (aside) {
+    const place = added.getBoundingClientRect(), frame = aside.getBoundingClientRect();
+    aside.scrollLeft = place.x + place.width / 2 - frame.x - frame.width / 2;
+  }
+
   /* Light or dark, against what the screen says: the rules for dark screens are made to
      hold always or never. Pictures inside the page have such rules, too. */
   const rules = [...document.styleSheets].flatMap((sheet) => [...sheet.cssRules])
