@@ -6,18 +6,23 @@ order. What difference remains, over the noise, an experiment would show (T-opti
 Atkinson and Fedorov, Biometrika 62, 1975).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.location.regression import (
-    initial_responses,
-    theta_responses,
-)
-from bondgraph.diagnosis.virtual.chain import linear_chain
+from bondgraph.diagnosis.virtual.noise import noise_scale
 from bondgraph.fitting.estimate import FittedModel, prepare
-from bondgraph.fitting.problem import truncated_inverse
+from bondgraph.fitting.loss import SquaredError
+from bondgraph.fitting.noise import lag_one
+from bondgraph.fitting.problem import (
+    linearise_windows,
+    reduced_hessian,
+    truncated_inverse,
+)
+from bondgraph.numeric.model import NumericModel
+from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.shooting import Shots, shoot
 from bondgraph.structure.graph import Measurement
 from bondgraph.structure.signals import Signal
@@ -37,23 +42,60 @@ class Behaviour:
     slopes: Array
     information: Array
 
+    def of(self, chosen: Sequence[int]) -> "Behaviour":
+        """Return the behaviour as some of the outputs show it."""
+        rows = list(chosen)
+        return replace(self, outputs=self.outputs[:, rows], slopes=self.slopes[:, rows])
+
+
+def unexplained(
+    alternatives: Sequence[FittedModel], recordings: Sequence[BoundRecording]
+) -> Array:
+    """Return the size per output of what no alternative would explain anyway, (ny,).
+
+    The noise, or what the best alternative leaves of the recordings where that is more.
+    Where neighbouring samples of it are alike, each counts as the part of a sample that
+    it is: a first-order autoregression with φ hides slow differences like white noise
+    that is sqrt((1 + φ)/(1 - φ)) times as large.
+    """
+    left = [one.residuals() for one in alternatives]
+    size = [np.sqrt(np.nanmean(residual**2, axis=0)) for residual in left]
+    best = np.argmin(size, axis=0)
+    result = np.zeros(len(best))
+    for output, k in enumerate(best):
+        one = alternatives[int(k)]
+        residual = np.nan_to_num(left[int(k)][:, [output]])
+        phi = lag_one(residual, one.problem.shots.edges, len(one.problem.free))[0]
+        slowness = np.sqrt((1.0 + phi) / (1.0 - phi)) if phi > 0.0 else 1.0
+        noise = noise_scale(one, recordings)[output]
+        result[output] = max(noise, slowness * size[int(k)][output])
+    return result
+
 
 def information(fitted: FittedModel, noise: Array) -> Array:
     """Return what the recordings say of the free parameters, (nq, nq).
 
     Initial states are taken out; parameters known beforehand count with their std.
     """
-    chain = linear_chain(fitted, ())
-    weight = np.where(np.isfinite(chain.residuals), 1.0 / noise, 0.0)[:, :, None]
-    theta = theta_responses(chain) * weight
-    initial = initial_responses(chain) * weight
-    nq, nx = theta.shape[2], initial.shape[2]
-    total = np.diag(1.0 / fitted.problem.prior_std[fitted.problem.free] ** 2)
-    for part in chain.shots.slices:
-        s, x = theta[part].reshape(-1, nq), initial[part].reshape(-1, nx)
-        cross = x.T @ s
-        total = total + s.T @ s - cross.T @ truncated_inverse(x.T @ x) @ cross
+    plain = replace(
+        fitted.problem,
+        sigma=noise,
+        correlation=np.zeros_like(noise),
+        loss=SquaredError(),
+    )
+    at = linearise_windows(plain, fitted.optimum.theta, fitted.optimum.initial)
+    prior = np.diag(1.0 / plain.prior_std[plain.free] ** 2)
+    total: Array = prior + reduced_hessian(at, len(plain.free))
     return total
+
+
+def with_sensors(fitted: FittedModel, sensors: Sequence[Signal]) -> NumericModel:
+    """Return an alternative's equations with further outputs, last."""
+    if not sensors:
+        return fitted.problem.model
+    more = tuple(Measurement(f"sensor_{i}", s, "1") for i, s in enumerate(sensors))
+    graph = fitted.graph
+    return prepare(replace(graph, measurements=(*graph.measurements, *more)))
 
 
 def behaviour(
@@ -61,17 +103,18 @@ def behaviour(
     time: Array,
     inputs: Array,
     known: Array,
-    sensors: tuple[Signal, ...] = (),
+    model: NumericModel | None = None,
 ) -> Behaviour | None:
     """Return what an alternative does under an input; None where it fails.
 
     It starts from the median of the initial states it was fitted with.
+
+    Parameters
+    ----------
+    model
+        The alternative with further sensors; its own when None.
     """
-    more = tuple(Measurement(f"sensor_{i}", s, "1") for i, s in enumerate(sensors))
-    graph = fitted.graph
-    model = fitted.problem.model
-    if more:
-        model = prepare(replace(graph, measurements=(*graph.measurements, *more)))
+    model = fitted.problem.model if model is None else model
     initial = np.median(fitted.optimum.initial, axis=0, keepdims=True)
     blank = np.zeros((len(time), len(model.output_names)))
     shot = shoot(
@@ -102,11 +145,20 @@ def distance(true: Behaviour, other: Behaviour, noise: Array) -> float:
     return float(np.sqrt(max(left, 0.0)))
 
 
-def least_distance(behaviours: list[Behaviour], noise: Array) -> float:
-    """Return the distance of the two alternatives that differ least."""
+def least_distance(
+    behaviours: Sequence[Behaviour], noise: Array, *, nested: bool = False
+) -> float:
+    """Return the distance of the two alternatives that differ least.
+
+    Parameters
+    ----------
+    nested
+        Whether the others are the first with something added. They could do as it does
+        then, and are not asked to.
+    """
     return min(
         distance(one, other, noise)
         for i, one in enumerate(behaviours)
         for j, other in enumerate(behaviours)
-        if i != j
+        if i != j and not (nested and i == 0)
     )

@@ -5,11 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.experiment.divergence import (
-    behaviour,
-    information,
-    least_distance,
-)
+from bondgraph.diagnosis.experiment.contest import Contest
 from bondgraph.diagnosis.experiment.records import (
     Experiment,
     ExperimentStatus,
@@ -17,23 +13,20 @@ from bondgraph.diagnosis.experiment.records import (
     SensorAddition,
 )
 from bondgraph.diagnosis.experiment.waves import waves
-from bondgraph.diagnosis.virtual.noise import noise_scale
 from bondgraph.errors import FitError, did_you_mean
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.recording import Recording
-from bondgraph.structure.domains import Quantity
-from bondgraph.structure.elements import OneJunction
-from bondgraph.structure.signals import Signal
 
 Array = NDArray[np.float64]
-MOST_SAMPLES = 2000
+MOST_SAMPLES = 5000
+"""Played by one input; of several that can move, each is tried with its share."""
 DECISIVE, VISIBLE = 10.0, 3.0
 """Sigmas of the whole difference that decide, and that may be seen at all."""
-USUAL_NOISE = 1e-3
-"""Of a signal's spread: noise of a sensor that is not there."""
-BEYOND = 3.0
-"""An output may leave the range seen so far by this factor."""
+TELLING = 2.0
+"""Times the sigmas without it that a sensor must give to be worth a word."""
+WEAKER = (1.0, 0.4, 0.15)
+"""Strengths tried where the whole range would take an output too far."""
 
 
 def next_experiment(
@@ -42,6 +35,7 @@ def next_experiment(
     *,
     limits: Mapping[str, tuple[float, float]] | None = None,
     seed: int = 0,
+    nested: bool = False,
 ) -> Experiment:
     """Design the input, and name the sensor, that separates alternatives best.
 
@@ -55,25 +49,38 @@ def next_experiment(
         Least and greatest value per input, in SI units; the range seen when not given.
     seed
         Of the random signals.
+    nested
+        Whether the others are the first alternative with something added. A law that
+        may be nothing at all imitates its absence under any input; the question is then
+        what would show if it is there.
 
     Raises
     ------
     FitError
         If there are fewer than two alternatives, they have other inputs or outputs, the
-        recordings have no time, or a limit names no input.
+        recordings have no time, a limit names no input, or no input can be played.
     """
     _check(alternatives, recordings, limits or {})
     first = recordings[0]
-    noise = noise_scale(alternatives[0], recordings)
-    known = [information(one, noise) for one in alternatives]
+    rivals = Contest.between(alternatives, recordings, nested=nested)
     ranges = _ranges(recordings, limits or {})
-    time: Array = first.step * np.arange(
-        min(MOST_SAMPLES, len(first)), dtype=np.float64
-    )
+    moving = sum(high > low for low, high in ranges)
+    samples = min(MOST_SAMPLES // max(moving, 1), len(first))
+    time: Array = first.step * np.arange(samples, dtype=np.float64)
     found: list[tuple[float, str, Array]] = []
-    for name, inputs in _inputs(first, time, ranges, seed).items():
-        sigmas = _sigmas(alternatives, known, time, inputs, noise, recordings)
-        found.append((sigmas, name, inputs))
+    for name, strengths in _inputs(recordings, time, ranges, seed).items():
+        for inputs in strengths:
+            done = rivals.played(time, inputs)
+            if done is not None and rivals.stay_near(done):
+                found.append((rivals.distance(done), name, inputs))
+                break
+    if not found:
+        raise FitError(
+            "No input within these limits can be played: with each of them an "
+            "alternative fails or an output leaves by far the range seen so far.",
+            tuple(one.graph.name for one in alternatives),
+            "Give narrower limits, or close a loop around the machine.",
+        )
     found.sort(key=lambda one: -one[0])
     sigmas, name, inputs = found[0]
     played = Recording.from_arrays(
@@ -85,16 +92,15 @@ def next_experiment(
         },
         source="next_experiment",
     )
-    clock, driven = first.time[: len(time)], first.inputs[: len(time)]
-    recorded = _sigmas(alternatives, known, clock, driven, noise, None)
+    recorded, sensors = rivals.as_recorded(len(time))
     return Experiment(
         status=_status(sigmas),
-        statement=_statement(name, sigmas, recorded, played),
+        statement=_statement(name, sigmas, recorded, played, sensors),
         sigmas=sigmas,
         recorded_sigmas=recorded,
         input=played,
         inputs=tuple(InputProposal(name=n, sigmas=s) for s, n, _ in found),
-        sensors=_sensors(alternatives, known, clock, driven, noise),
+        sensors=sensors,
     )
 
 
@@ -147,81 +153,45 @@ def _ranges(
 
 
 def _inputs(
-    first: BoundRecording, time: Array, ranges: list[tuple[float, float]], seed: int
-) -> dict[str, Array]:
-    """Return input arrays by name: one input moves, the others rest at their median."""
-    rest = np.median(first.inputs, axis=0)
+    recordings: Sequence[BoundRecording],
+    time: Array,
+    ranges: Sequence[tuple[float, float]],
+    seed: int,
+) -> dict[str, list[Array]]:
+    """Return inputs by name, each in several strengths, the strongest first.
+
+    One input moves, the others rest at their median. The strongest takes the whole
+    range. Weaker ones keep to the mean of what was recorded, about which a machine that
+    integrates its input stayed where it was.
+    """
+    together = np.concatenate([one.inputs for one in recordings])
+    rest, names = np.median(together, axis=0), recordings[0].input_names
     found = {}
     for i, (low, high) in enumerate(ranges):
         if not high > low:
             continue
-        shapes = waves(time, np.random.default_rng(seed))
-        for name, wave in shapes.items():
-            inputs = np.tile(rest, (len(time), 1))
-            inputs[:, i] = 0.5 * (low + high) + 0.5 * (high - low) * wave
-            found[f"{name} on {first.input_names[i]}"] = inputs
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        mean = float(np.clip(together[:, i].mean(), low, high))
+        reach = min(mean - low, high - mean)
+        levels = [(middle, half), *((mean, share * reach) for share in WEAKER)]
+        for name, wave in waves(time, np.random.default_rng(seed)).items():
+            found[f"{name} on {names[i]}"] = [
+                _moving(rest, i, centre + size * wave) for centre, size in levels
+            ]
     if not found:
         raise FitError(
             "No input has a range to move in.",
-            first.input_names,
+            names,
             "Give limits: limits={'input': (least, greatest)}.",
         )
     return found
 
 
-def _sigmas(
-    alternatives: Sequence[FittedModel],
-    known: Sequence[Array],
-    time: Array,
-    inputs: Array,
-    noise: Array,
-    recordings: Sequence[BoundRecording] | None,
-    sensors: tuple[Signal, ...] = (),
-) -> float:
-    """Return the least distance under an input; 0 where it cannot be played.
-
-    It cannot where an alternative fails, or says that an output would go far beyond
-    what was seen.
-    """
-    done = [
-        behaviour(one, time, inputs, k, sensors)
-        for one, k in zip(alternatives, known, strict=True)
-    ]
-    fine = [one for one in done if one is not None]
-    if len(fine) < len(done):
-        return 0.0
-    if recordings is not None:
-        seen = np.max([np.ptp(r.outputs, axis=0) for r in recordings], axis=0)
-        if any((np.ptp(one.outputs, axis=0) > BEYOND * seen).any() for one in fine):
-            return 0.0
-    ny = len(noise)
-    spread = np.std(fine[0].outputs[:, ny:], axis=0)
-    assumed = np.where(spread > 0.0, USUAL_NOISE * spread, np.inf)
-    return least_distance(fine, np.concatenate([noise, assumed]))
-
-
-def _sensors(
-    alternatives: Sequence[FittedModel],
-    known: Sequence[Array],
-    time: Array,
-    inputs: Array,
-    noise: Array,
-) -> tuple[SensorAddition, ...]:
-    """Return what a sensor at each junction common to all would add."""
-    graph = alternatives[0].graph
-    read = {measurement.expression for measurement in graph.measurements}
-    found = []
-    for junction in graph.junctions:
-        one = isinstance(junction, OneJunction)
-        signal = Signal(Quantity.FLOW if one else Quantity.EFFORT, junction.name)
-        shared = all(other.graph.has_place(junction.name) for other in alternatives)
-        if signal in read or not shared:
-            continue
-        sigmas = _sigmas(alternatives, known, time, inputs, noise, None, (signal,))
-        word = graph.domain_at(junction.name).word(signal.quantity)
-        found.append(SensorAddition(quantity=word, place=junction.name, sigmas=sigmas))
-    worth = (addition for addition in found if addition.sigmas > 0.0)
-    return tuple(sorted(worth, key=lambda addition: -addition.sigmas))
+def _moving(rest: Array, which: int, values: Array) -> Array:
+    """Return all inputs over time, one of which moves."""
+    inputs = np.tile(rest, (len(values), 1))
+    inputs[:, which] = values
+    return inputs
 
 
 def _status(sigmas: float) -> ExperimentStatus:
@@ -230,11 +200,24 @@ def _status(sigmas: float) -> ExperimentStatus:
     return ExperimentStatus.WEAK if sigmas >= VISIBLE else ExperimentStatus.USELESS
 
 
-def _statement(name: str, sigmas: float, recorded: float, played: Recording) -> str:
+def _statement(
+    name: str,
+    sigmas: float,
+    recorded: float,
+    played: Recording,
+    sensors: Sequence[SensorAddition],
+) -> str:
+    sensor = _sensor_words(recorded, sensors)
     if sigmas < VISIBLE:
         return (
             f"No input within these limits separates the alternatives: the best, a "
-            f"{name}, by {sigmas:.2g} sigmas."
+            f"{name}, by {sigmas:.2g} sigmas.{sensor}"
+        )
+    if sigmas <= recorded:
+        return (
+            "Record more of the same: no one input tried separates the alternatives "
+            f"better than those recorded do together ({recorded:.2g} sigmas in "
+            f"{played.duration:.3g} s; the best, a {name}, {sigmas:.2g}).{sensor}"
         )
     spans = ", ".join(
         f"{c.name} from {c.values.min():.3g} to {c.values.max():.3g} {c.unit}"
@@ -243,5 +226,16 @@ def _statement(name: str, sigmas: float, recorded: float, played: Recording) -> 
     return (
         f"Play a {name} ({spans}, {played.duration:.3g} s): the alternatives then "
         f"differ by {sigmas:.2g} sigmas in all, against {recorded:.2g} in as much of "
-        "the recording there is."
+        f"the recording there is.{sensor}"
+    )
+
+
+def _sensor_words(recorded: float, sensors: Sequence[SensorAddition]) -> str:
+    """Return what the best further sensor would do, where it makes a difference."""
+    if not sensors or sensors[0].sigmas < max(VISIBLE, TELLING * recorded):
+        return ""
+    best = sensors[0]
+    return (
+        f" Measuring the {best.quantity} at {best.place} as well, they differ by "
+        f"{best.sigmas:.2g} sigmas with the motion that was recorded."
     )

@@ -2,12 +2,17 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bondgraph.recordings.names import join_header
 from bondgraph.recordings.recording import Recording
+
+DIGITS = 9
+"""Of a number to be played."""
 
 
 class ExperimentStatus(StrEnum):
@@ -57,6 +62,8 @@ class Experiment:
         Time and inputs, to be played.
     inputs, sensors
         What was considered, the best first.
+    between
+        The alternatives in words; empty where they have none.
     """
 
     status: ExperimentStatus
@@ -66,13 +73,31 @@ class Experiment:
     input: Recording
     inputs: tuple[InputProposal, ...]
     sensors: tuple[SensorAddition, ...]
+    between: tuple[str, ...] = ()
+
+    @property
+    def csv(self) -> str:
+        """The input to play as CSV text, with names and units in its header."""
+        columns = self.columns
+        rows = np.column_stack(list(columns.values()))
+        text = StringIO()
+        np.savetxt(
+            text,
+            rows,
+            delimiter=",",
+            header=",".join(columns),
+            comments="",
+            fmt=f"%.{DIGITS}g",
+        )
+        return text.getvalue()
+
+    @property
+    def columns(self) -> dict[str, NDArray[np.float64]]:
+        """The input to play: time, then each input, by name with unit."""
+        played = self.input
+        channels = {join_header(c.name, c.unit): c.values for c in played.channels}
+        return {join_header("time", "s"): played.time, **channels}
 
     def write_csv(self, path: str | Path) -> None:
         """Write the input to play as CSV with names and units in its header."""
-        played = self.input
-        header = [join_header("time", "s")]
-        header += [join_header(c.name, c.unit) for c in played.channels]
-        rows = np.column_stack([played.time, *(c.values for c in played.channels)])
-        np.savetxt(
-            path, rows, delimiter=",", header=",".join(header), comments="", fmt="%.9g"
-        )
+        Path(path).write_text(self.csv, encoding="utf-8")
