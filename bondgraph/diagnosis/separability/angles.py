@@ -17,17 +17,17 @@ SAME = 1.0
 """Degrees; places closer than this are one class."""
 
 
-def responses(chain: Chain, noise: Array) -> Complex:
+def responses(chain: Chain, noise: Array, samples: int) -> Complex:
     """Return frequency responses over the noise, (points × frequencies, ny, L).
 
     At a few samples of the trajectory, of the steps linearised there, from one period
-    per recording to half the sampling rate.
+    per `samples` to half the sampling rate.
     """
     inner = np.flatnonzero(chain.inside)
     if not len(inner):
         return (chain.direct / noise[:, None]).astype(complex)
     chosen = inner[np.linspace(0, len(inner) - 1, POINTS).astype(int)]
-    angles = np.geomspace(2 * np.pi / len(chain.states), np.pi, FREQUENCIES)
+    angles = np.geomspace(2 * np.pi / samples, np.pi, FREQUENCIES)
     # Off the unit circle by a little: an integrator has no response at rest.
     z = np.exp(1j * angles) * (1.0 + 1e-6)
     nx = chain.phi.shape[1]

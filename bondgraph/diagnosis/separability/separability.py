@@ -24,7 +24,7 @@ from bondgraph.diagnosis.separability.records import (
     SeparabilityStatus,
 )
 from bondgraph.diagnosis.separability.redundancy import isolability
-from bondgraph.diagnosis.virtual.chain import Chain, linear_chain
+from bondgraph.diagnosis.virtual.chain import Chain, linear_chain, trajectory
 from bondgraph.diagnosis.virtual.noise import noise_scale
 from bondgraph.diagnosis.virtual.sources import chosen_sources
 from bondgraph.fitting.estimate import FitSettings, FittedModel, fit_model
@@ -39,6 +39,8 @@ from bondgraph.structure.signals import Signal
 Array = NDArray[np.float64]
 USUAL_NOISE = 1e-3
 """Of a signal's spread: noise of a sensor that is not there, at least."""
+MOST_STEPS = 400
+"""Steps that are linearised: operating points enough, however long the recordings."""
 
 
 def separability(
@@ -68,9 +70,10 @@ def separability(
     sources = chosen_sources(fitted.graph, places)
     names = tuple(source.place for source in sources)
     candidates = _candidates(fitted.graph)
-    chain = linear_chain(_extended(fitted, candidates), sources)
+    visited, states = _some_steps(_extended(fitted, candidates), trajectory(fitted))
+    chain = linear_chain(visited, sources, states=states)
     noise = _noises(chain, noise_scale(fitted, recordings))
-    whole = responses(chain, noise)
+    whole = responses(chain, noise, len(fitted.problem.shots.time))
     ny = len(fitted.graph.measurements)
     angles = angle_matrix(whole[:, :ny])
     classes = classes_of(names, angles < SAME)
@@ -124,6 +127,25 @@ def _extended(fitted: FittedModel, candidates: Sequence[Signal]) -> FittedModel:
         graph=replace(graph, measurements=(*graph.measurements, *more)),
         problem=replace(fitted.problem, shots=padded),
     )
+
+
+def _some_steps(fitted: FittedModel, states: Array) -> tuple[FittedModel, Array]:
+    """Return the fit with a few of its steps, each a window, and the states there."""
+    shots = fitted.problem.shots
+    inside = np.ones(len(shots.time), dtype=bool)
+    inside[list(shots.edges[:-1])] = False
+    ends = np.flatnonzero(inside)
+    if len(ends) <= MOST_STEPS:
+        return fitted, states
+    chosen = ends[np.linspace(0, len(ends) - 1, MOST_STEPS).astype(int)]
+    rows = np.column_stack([chosen - 1, chosen]).ravel()
+    some = Shots(
+        shots.time[rows],
+        shots.inputs[rows],
+        shots.outputs[rows],
+        tuple(range(0, len(rows) + 1, 2)),
+    )
+    return replace(fitted, problem=replace(fitted.problem, shots=some)), states[rows]
 
 
 def _noises(chain: Chain, known: Array) -> Array:
