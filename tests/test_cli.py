@@ -14,9 +14,11 @@ import pytest
 from click.testing import CliRunner
 from handmade_diagnosis import cart_diagnosis
 
+from bondgraph import Recording, read_recording
 from bondgraph.cli import demo, diagnosing
 from bondgraph.cli.inputs import as_options
 from bondgraph.cli.program import COMMANDS, program
+from bondgraph.diagnosis.experiment.records import Experiment, ExperimentStatus
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.loading import load_model
 
@@ -285,6 +287,37 @@ def test_diagnose_keeps_the_held_out_recordings_apart(
 def test_diagnose_gives_json_alone_on_stdout(model, recording, asked):
     result = run("diagnose", model, recording, "--json", "-")
     assert json.loads(result.stdout)["schema"] == 1
+
+
+def test_diagnose_writes_what_to_play_next_or_why_there_is_nothing(
+    model, recording, asked, tmp_path
+):
+    path, answer = tmp_path / "play.csv", tmp_path / "answer.json"
+    words = ("diagnose", model, recording, "--next-experiment", path)
+    result = run(*words, "--json", answer)
+    assert result.exit_code == 0
+    assert f"{path} was not written: there is nothing to tell apart." in result.stderr
+    assert not path.exists()
+    # Whoever has the JSON can ask again.
+    command = json.loads(answer.read_text())["provenance"]["command"]
+    assert command.startswith(f"bondgraph diagnose {model} {recording} ")
+
+    time = 0.01 * np.arange(100)
+    played = Recording.from_arrays("steps", time, {"force": (np.sign(time - 0.5), "N")})
+    designed = Experiment(
+        status=ExperimentStatus.DECISIVE,
+        statement="Play steps.",
+        sigmas=30.0,
+        recorded_sigmas=2.0,
+        input=played,
+        inputs=(),
+        sensors=(),
+    )
+    asked["answer"] = replace(cart_diagnosis(), experiment=designed)
+    assert run(*words).exit_code == 0
+    np.testing.assert_array_equal(
+        read_recording(path).channel("force").values, played.channel("force").values
+    )
 
 
 @pytest.mark.parametrize("verdict", Verdict)

@@ -33,6 +33,10 @@ SPLIT = 0.6
         ("diagnose axis.py run.csv --html report.html", "What is missing, with a page"),
         ("diagnose axis.py a.csv b.csv --held-out c.csv", "Shown on c, chosen without"),
         ("diagnose axis.py run.csv -q --json result.json", "For a program to read"),
+        (
+            "diagnose axis.py run.csv --next-experiment play.csv",
+            "What to play next, where laws are left close",
+        ),
     ),
 )
 @model_argument
@@ -52,6 +56,13 @@ SPLIT = 0.6
 )
 @click.option(
     "--html", metavar="FILE", type=click.Path(), help="Write the report page."
+)
+@click.option(
+    "--next-experiment",
+    "experiment_file",
+    metavar="FILE.csv",
+    type=click.Path(),
+    help="Write the input to play that would tell apart what is left close.",
 )
 @click.option(
     "--resume",
@@ -74,6 +85,7 @@ def command(
     held_out: tuple[str, ...],
     split: float | None,
     html: str | None,
+    experiment_file: str | None,
     settings: FitSettings,
     reading: Reading,
     resume: Path | None,
@@ -111,6 +123,7 @@ def command(
         kept_back,
         settings=settings,
         html=html,
+        experiment_file=experiment_file,
         json_file=json_file,
         where=where,
         resume=resume,

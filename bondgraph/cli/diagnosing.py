@@ -8,7 +8,7 @@ from bondgraph.cli.resuming import kept_for_later
 from bondgraph.cli.session import Loudness, Session
 from bondgraph.cli.terminal import table_style
 from bondgraph.diagnosis.diagnose import Options, diagnose
-from bondgraph.diagnosis.records import Diagnosis, Evidence, Verdict
+from bondgraph.diagnosis.records import Diagnosis, Evidence, Support, Verdict
 from bondgraph.diagnosis.work.workers import Here, Where
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.recordings.binding import BoundRecording
@@ -54,6 +54,7 @@ def answer(
     settings: FitSettings,
     html: str | None,
     json_file: str | None,
+    experiment_file: str | None = None,
     where: Where | None = None,
     resume: Path | None = None,
     either_hold: bool = False,
@@ -81,8 +82,33 @@ def answer(
         session.say("\n".join(_told(session, diagnosis)))
     if html is not None:
         session.write(html, report_html(diagnosis, command=session.command))
-    session.deliver(json_file, diagnosis_to_dict(diagnosis))
+    if experiment_file is not None:
+        _write_experiment(session, diagnosis, experiment_file)
+    told = diagnosis_to_dict(diagnosis)
+    told["provenance"]["command"] = session.command
+    session.deliver(json_file, told)
     return diagnosis
+
+
+def _write_experiment(session: Session, diagnosis: Diagnosis, path: str) -> None:
+    """Write the input to play, or say why there is none."""
+    if diagnosis.experiment is not None:
+        session.write(path, diagnosis.experiment.csv)
+        return
+    left_close = diagnosis.verdict is Verdict.CANNOT_TELL or any(
+        alternative.support is Support.SUPPORTED
+        for finding in diagnosis.findings
+        for alternative in finding.alternatives
+    )
+    session.note(
+        f"{path} was not written: "
+        + (
+            "no input could be designed that tells apart what is left close; the notes "
+            "say why, where the recordings have a clock and inputs."
+            if left_close
+            else "there is nothing to tell apart."
+        )
+    )
 
 
 def look_at(diagnosis: Diagnosis) -> str:

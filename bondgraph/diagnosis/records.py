@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.experiment.records import Experiment
 from bondgraph.fitting.result import Estimate, FitResult, Score
 from bondgraph.structure.graph import FinishedGraph
 
@@ -159,6 +160,12 @@ class Diagnosis:
     fit_all
         The improved model refitted on all recordings once everything was chosen and
         shown; the one to use from here.
+    next_experiment
+        In words, what would separate what could not be told apart; empty where
+        everything was.
+    experiment
+        The input to play for that, designed by simulating what is left close; None
+        where nothing is, or where there is no time or no input to design.
     model_before, model
         The fitted base model and the improved one (the same when adequate).
     provenance
@@ -181,6 +188,7 @@ class Diagnosis:
     traces: tuple[Trace, ...] = ()
     recovered: tuple[RecoveredLaw, ...] = ()
     notes: tuple[str, ...] = ()
+    experiment: Experiment | None = None
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     @property

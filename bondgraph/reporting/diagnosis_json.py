@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from bondgraph.diagnosis.experiment.records import DIGITS, Experiment
 from bondgraph.diagnosis.records import (
     SCHEMA,
     Comparison,
@@ -52,7 +53,10 @@ def diagnosis_to_dict(diagnosis: Diagnosis) -> dict[str, Any]:
         },
         "noise_floor": json_value(diagnosis.noise_floor),
         "false_alarm_probability": json_value(diagnosis.false_alarm_probability),
-        "next_experiment": {"statement": diagnosis.next_experiment},
+        "next_experiment": {
+            "statement": diagnosis.next_experiment,
+            **_experiment(diagnosis.experiment),
+        },
         "candidates": [_evidence(candidate) for candidate in diagnosis.candidates],
         "model": to_python(model),
         "changes": list(describe_difference(diagnosis.model_before, model)),
@@ -107,6 +111,34 @@ def json_value(value: object) -> JsonValue:
             return [json_value(item) for item in value]
         case _:
             return str(value)
+
+
+def _experiment(experiment: Experiment | None) -> dict[str, Any]:
+    """Return what was designed; nothing where nothing was."""
+    if experiment is None:
+        return {}
+    return {
+        "status": experiment.status.name.lower(),
+        "between": list(experiment.between),
+        "sigmas": json_value(experiment.sigmas),
+        "recorded_sigmas": json_value(experiment.recorded_sigmas),
+        "inputs": [
+            {"name": one.name, "sigmas": json_value(one.sigmas)}
+            for one in experiment.inputs
+        ],
+        "sensors": [
+            {
+                "quantity": one.quantity,
+                "place": one.place,
+                "sigmas": json_value(one.sigmas),
+            }
+            for one in experiment.sensors
+        ],
+        "recording": {
+            name: [float(f"{value:.{DIGITS}g}") for value in values]
+            for name, values in experiment.columns.items()
+        },
+    }
 
 
 def _finding(finding: Finding) -> dict[str, Any]:

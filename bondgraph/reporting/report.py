@@ -19,6 +19,7 @@ from bondgraph.reporting.drawing import draw_svg
 from bondgraph.reporting.files import write_text
 from bondgraph.reporting.model_text import describe_difference, to_python
 from bondgraph.reporting.page.evidence import considered, how_sure, not_told_apart
+from bondgraph.reporting.page.experiment import experiment_picture
 from bondgraph.reporting.page.laws import law_picture
 from bondgraph.reporting.page.parameters import parameter_rows
 from bondgraph.reporting.page.provenance import provenance_rows
@@ -115,6 +116,7 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "picture": Markup(diagnosis_picture(diagnosis)),  # noqa: S704  (escapes its names)
         "units": {m.name: unit_words(m.unit) for m in model.measurements},
         "recordings": recording_charts(diagnosis),
+        "experiment": experiment_picture(diagnosis.experiment),
         "laws": [law_picture(law) for law in diagnosis.recovered],
         "parameters": parameter_rows(diagnosis),
         "changes": describe_difference(before, model),

@@ -8,7 +8,9 @@ import numpy as np
 from bondgraph.diagnosis.adequacy.adequacy import adequacy
 from bondgraph.diagnosis.adequacy.records import Adequacy
 from bondgraph.diagnosis.answer.found import all_evidence, findings_of, remaining
+from bondgraph.diagnosis.answer.look_alikes import look_alikes
 from bondgraph.diagnosis.answer.notes import notes_on, provenance
+from bondgraph.diagnosis.answer.separating import designed, left_close
 from bondgraph.diagnosis.answer.showing import recovered_law, simulate_whole, traces
 from bondgraph.diagnosis.answer.stated import contradicted
 from bondgraph.diagnosis.answer.verdict import (
@@ -18,12 +20,8 @@ from bondgraph.diagnosis.answer.verdict import (
     with_undecided,
     with_values,
 )
-from bondgraph.diagnosis.answer.wording import (
-    next_experiment,
-)
-from bondgraph.diagnosis.evidence.decision import (
-    Judged,
-)
+from bondgraph.diagnosis.answer.wording import next_experiment
+from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.records import (
     Comparison,
     Diagnosis,
@@ -71,6 +69,10 @@ def answer(
     wrong = contradicted(graph, after.estimates)
     if wrong:
         verdict, statement = with_values(verdict, statement, wrong)
+    close = left_close(rounds, others, verdict)
+    experiment, undesigned = (
+        (None, ()) if close is None else designed(close, recordings)
+    )
     candidates = all_evidence(rounds)
     laws = [
         recovered_law(r.base, r.chosen.candidate, final, recordings, _rivals(r))
@@ -85,7 +87,8 @@ def answer(
         held_out=shown,
         noise_floor=floor,
         false_alarm_probability=options.rule.false_alarm_probability,
-        next_experiment=next_experiment(findings, others, base),
+        next_experiment=next_experiment(findings, others, base, experiment),
+        experiment=experiment,
         candidates=candidates,
         blame=_blame(rounds[0]),
         fit_before=before,
@@ -93,7 +96,11 @@ def answer(
         fit_all=_delivered(graph, final, (*recordings, *held_out), options),
         traces=traces(base, final, held_out),
         recovered=tuple(law for law in laws if law is not None),
-        notes=notes_on(rounds, after, options),
+        notes=(
+            *undesigned,
+            *look_alikes(findings, base, recordings),
+            *notes_on(rounds, after, options),
+        ),
         provenance=provenance(recordings, held_out, options, final),
     )
 

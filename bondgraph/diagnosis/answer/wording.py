@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from bondgraph.diagnosis.evidence.decision import Judged
+from bondgraph.diagnosis.experiment.records import Experiment
 from bondgraph.diagnosis.records import Finding
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.result import Estimate
@@ -92,8 +93,15 @@ def next_experiment(
     findings: Sequence[Finding],
     others: Mapping[str, Sequence[Judged]],
     base: FittedModel,
+    designed: Experiment | None = None,
 ) -> str:
-    """Return the experiment that would separate what could not be told apart."""
+    """Return the experiment that would separate what could not be told apart.
+
+    Parameters
+    ----------
+    designed
+        The input to play, where one was designed.
+    """
     advice: list[str] = []
     for finding in findings:
         close = others.get(finding.element, ())
@@ -101,6 +109,8 @@ def next_experiment(
         if finding.indistinguishable_places:
             alike = (finding.place, *finding.indistinguishable_places)
             advice.append(_separate_places(alike, base))
+    if designed is not None:
+        advice.append(designed.statement)
     return " ".join(dict.fromkeys(advice))
 
 
