@@ -1,9 +1,12 @@
 """A law that explains little of a large error is not called the cause."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from handmade_diagnosis import cart_diagnosis
 
+from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
 from bondgraph.diagnosis.answer.verdict import excusable, verdict_of
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.rounds import Round
@@ -35,3 +38,30 @@ def test_white_noise_and_half_a_quantisation_step_are_excused():
     assert excusable([_recorded(noisy)])[0] == pytest.approx(1e-3, rel=0.1)
     stepped = np.round(slow / 0.02) * 0.02
     assert excusable([_recorded(stepped)])[0] == pytest.approx(0.01, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("size", "verdict"), [(0.05, Verdict.ADEQUATE), (0.4, Verdict.CANNOT_TELL)]
+)
+def test_coloured_noise_as_large_as_the_motion_is_not_called_noise(size, verdict):
+    moves = np.sin(np.arange(4000) * 0.01)[:, None]
+    base = SimpleNamespace(
+        residuals=lambda: size * np.cos(np.arange(4000) * 0.003)[:, None],
+        problem=SimpleNamespace(
+            model=SimpleNamespace(output_names=("x",)),
+            shots=SimpleNamespace(outputs=moves),
+        ),
+    )
+    coloured = Adequacy(
+        status=AdequacyStatus.COLOURED,
+        p_value=0.3,
+        level=0.01,
+        draws=100,
+        outputs=(),
+        dependences=(),
+        unconverged=0.0,
+        reasons=(),
+    )
+    answer, statement = verdict_of([], base, {"x": 1e-3}, Round(None), 1.0, coloured)
+    assert answer is verdict
+    assert ("not recorded" in statement) == (verdict is Verdict.CANNOT_TELL)

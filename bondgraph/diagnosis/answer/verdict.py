@@ -39,6 +39,9 @@ MANY = 1000
 ADEQUATE_RATIO = 3.0
 """A residual below this many times the noise floor needs no more explanation."""
 
+SIZEABLE = 0.1
+"""Of an output's spread: a coloured residual larger than that is no mere noise."""
+
 
 def noise_floor(recordings: Sequence[BoundRecording]) -> dict[str, float]:
     """Return the measurement noise of each output, the largest over recordings."""
@@ -102,6 +105,9 @@ def verdict_of(
         return Verdict.UNEXPLAINED, told
     ratios = residual_over_noise(base, floor)
     worst = max(ratios.values(), default=float("nan"))
+    slow = _large_and_slow(base, ratios, checked)
+    if slow is not None:
+        return Verdict.CANNOT_TELL, slow
     if checked is not None and checked.status in NOTHING:
         chance = f"{100 * checked.p_value:.0f} of 100 recordings"
         return Verdict.ADEQUATE, (
@@ -132,6 +138,29 @@ def verdict_of(
     return Verdict.ADEQUATE, (
         "Nothing is missing that these recordings could show: "
         f"{_residual_words(worst)}{_tried_words(first.tried)}."
+    )
+
+
+def _large_and_slow(
+    base: FittedModel, ratios: Mapping[str, float], checked: Adequacy | None
+) -> str | None:
+    """Return what to say of a residual too large for noise that follows nothing."""
+    if checked is None or checked.status is not AdequacyStatus.COLOURED:
+        return None
+    shares = _shares_of_spread(base)
+    large = [
+        name
+        for name, ratio in ratios.items()
+        if ratio > ADEQUATE_RATIO and shares[name] > SIZEABLE
+    ]
+    if not large:
+        return None
+    worst = max(large, key=lambda name: shares[name])
+    return (
+        f"The residual of {worst} is {100 * shares[worst]:.0f} % of what it varies by "
+        f"and {_times(ratios[worst])} its noise, yet it follows nothing that the "
+        "machine is seen to do: an input that was not recorded, or physics with a "
+        "memory that these channels do not show."
     )
 
 
@@ -223,3 +252,12 @@ def residual_over_noise(
         for name, size in zip(names, rms, strict=True)
         if floor[name] > 0.0
     }
+
+
+def _shares_of_spread(fitted: FittedModel) -> dict[str, float]:
+    """Return per output the residual over the standard deviation of what was read."""
+    rms = np.sqrt(np.nanmean(fitted.residuals() ** 2, axis=0))
+    spread = np.nanstd(fitted.problem.shots.outputs, axis=0)
+    shares = rms / np.where(spread > 0.0, spread, np.inf)
+    names = fitted.problem.model.output_names
+    return dict(zip(names, map(float, shares), strict=True))
