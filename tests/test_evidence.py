@@ -225,10 +225,14 @@ def candidate(physics="drag", place="body", complexity=1, extends=(), domain="")
     )
 
 
-def judged(left, support=Support.SUPPORTED, **kinds):
-    """Return a candidate that leaves `left` of every chunk's error, give or take."""
+def judged(left, support=Support.SUPPORTED, noise=1.0, **kinds):
+    """Return a candidate that leaves `left` of every chunk's error, give or take.
+
+    Of that, the share `noise` is known to be noise.
+    """
     ripple = 1.0 + 0.01 * np.sin(np.arange(24) * len(str(kinds)))
-    after = LeftOutErrors(BASE.chunks * left * ripple)
+    chunks = BASE.chunks * left * ripple
+    after = LeftOutErrors(chunks, noise=noise * float(chunks.sum()))
     gain = compare(BASE, after)
     return Judged(candidate(**kinds), after, gain, support, "")
 
@@ -291,6 +295,16 @@ def test_simpler_and_simpler_laws_are_preferred_step_by_step():
     assert clearly_better(wide, simple, RULE)
     assert best_supported([wide, middle, simple], RULE) is simple
     assert best_supported([wide, simple], RULE) is wide
+
+
+@pytest.mark.parametrize(("left", "noise"), [(0.2, 0.1), (0.02, 0.1), (0.2, 0.9)])
+def test_what_is_still_missing_may_bend_a_wider_law_to_lead(left, noise):
+    wide = judged(left, noise=noise, physics="backlash", complexity=2)
+    far, bent = judged(1.4 * left, noise=noise), judged(1.2 * left, noise=noise)
+    assert clearly_better(wide, far, RULE)
+    # A lead of a fifth is much beside a tenth that is not noise, little beside nine.
+    assert clearly_better(wide, bent, RULE) == (noise == 0.9)
+    assert best_supported([wide, bent], RULE) is (wide if noise == 0.9 else bent)
 
 
 def test_of_laws_that_predict_alike_the_plainest_is_told_at_its_best_place():

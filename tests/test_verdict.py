@@ -7,7 +7,11 @@ import pytest
 from handmade_diagnosis import cart_diagnosis
 
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
-from bondgraph.diagnosis.answer.verdict import excusable, verdict_of
+from bondgraph.diagnosis.answer.verdict import (
+    excusable,
+    verdict_of,
+    worse_held_out,
+)
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.rounds import Round
 from bondgraph.recordings.binding import bind
@@ -65,3 +69,20 @@ def test_coloured_noise_as_large_as_the_motion_is_not_called_noise(size, verdict
     answer, statement = verdict_of([], base, {"x": 1e-3}, Round(None), 1.0, coloured)
     assert answer is verdict
     assert ("not recorded" in statement) == (verdict is Verdict.CANNOT_TELL)
+
+
+@pytest.mark.parametrize(
+    ("after", "verdict", "told"),
+    [
+        (0.10, Verdict.PHYSICS_MISSING, False),
+        (0.22, Verdict.PHYSICS_MISSING, True),
+        (0.50, Verdict.UNEXPLAINED, True),
+    ],
+)
+def test_what_makes_held_out_data_worse_is_not_the_cause(after, verdict, told):
+    shown = SimpleNamespace(
+        before=SimpleNamespace(nrmse=0.2), after=SimpleNamespace(nrmse=after)
+    )
+    answer, statement = worse_held_out(Verdict.PHYSICS_MISSING, "Friction.", shown)
+    assert answer is verdict
+    assert ("does not carry over" in statement) == told

@@ -19,6 +19,7 @@ from bondgraph.diagnosis.answer.verdict import (
     verdict_of,
     with_undecided,
     with_values,
+    worse_held_out,
 )
 from bondgraph.diagnosis.answer.wording import next_experiment
 from bondgraph.diagnosis.evidence.decision import Judged
@@ -66,6 +67,7 @@ def answer(
     shown = _comparison(base, final, held_out)
     if not np.isfinite(shown.after.nrmse) and np.isfinite(shown.before.nrmse):
         verdict, statement = not_simulated(verdict, statement)
+    verdict, statement = worse_held_out(verdict, statement, shown)
     wrong = contradicted(graph, after.estimates)
     if wrong:
         verdict, statement = with_values(verdict, statement, wrong)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
 from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.evidence.decision import Rule
-from bondgraph.diagnosis.records import Finding, Support, Verdict
+from bondgraph.diagnosis.records import Comparison, Finding, Support, Verdict
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.diagnosis.search.rounds import Round
 from bondgraph.diagnosis.virtual.noise import output_noise
@@ -35,6 +35,11 @@ ERRORS = 2.0
 
 MANY = 1000
 """Beyond it, how many times the noise says more of the noise than of the model."""
+
+SAME, SPOILT = 1.02, 1.2
+"""Held-out errors within the first factor are the same; beyond the second, what was
+found is not the cause, whatever the training recordings say.
+"""
 
 ADEQUATE_RATIO = 3.0
 """A residual below this many times the noise floor needs no more explanation."""
@@ -210,6 +215,21 @@ def with_undecided(verdict: Verdict, statement: str, last: Round, rule: Rule) ->
         f"{name_of(best.physics)} at {best.place} would take away {best.gain} of the "
         "error that is left, but not reliably."
     )
+
+
+def worse_held_out(
+    verdict: Verdict, statement: str, held_out: Comparison
+) -> tuple[Verdict, str]:
+    """Return the verdict where the improved model predicts what was kept back worse."""
+    before, after = held_out.before.nrmse, held_out.after.nrmse
+    if verdict is not Verdict.PHYSICS_MISSING or not after > SAME * before:
+        return verdict, statement
+    told = (
+        f"{statement} But on the held-out recordings the improved model is worse than "
+        f"the base model ({100 * before:.3g} % became {100 * after:.3g} %): what was "
+        "found holds where it was found and does not carry over."
+    )
+    return (Verdict.UNEXPLAINED if after > SPOILT * before else verdict), told
 
 
 def not_simulated(verdict: Verdict, statement: str) -> tuple[Verdict, str]:

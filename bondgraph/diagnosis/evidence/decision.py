@@ -16,6 +16,8 @@ from bondgraph.diagnosis.search.candidates import CURVE, Candidate
 from bondgraph.physics.library import LIBRARY
 
 ALIKE = 0.02
+BENT = 0.25
+"""Of what a law leaves beyond the noise, so much it may owe to bending towards it."""
 NAMED_SHARE = 0.8
 """A named law must give this share of what a free curve gives, or the curve is told."""
 
@@ -152,12 +154,23 @@ def _plainest_near(best: Judged, supported: Sequence[Judged], rule: Rule) -> Jud
 def clearly_better(better: Judged, worse: Judged, rule: Rule) -> bool:
     """Return whether `better` beats `worse` by two standard errors and materially.
 
-    Half the materiality of a finding separates two findings.
+    Half the materiality of a finding separates two findings. And what even the better
+    one leaves is physics that is still missing: a law with a freedom that suits it
+    leads without being the cause, so that the lead must be large beside it.
     """
     if better is worse:
         return False
     difference = compare(worse.errors, better.errors)
-    return difference.value > max(2.0 * difference.std, rule.materiality / 2)
+    return difference.value > _lead(difference, better.errors, worse.errors, rule)
+
+
+def _lead(
+    difference: Gain, better: LeftOutErrors, worse: LeftOutErrors, rule: Rule
+) -> float:
+    """Return the share of the worse one's error by which a lead is clear."""
+    whole = max(float(worse.chunks.sum()), 1e-300)
+    bent = BENT * better.beyond_noise / whole
+    return max(2.0 * difference.std, rule.materiality / 2, bent)
 
 
 def alike(one: Judged, other: Judged) -> bool:
@@ -238,7 +251,7 @@ def _handicap(judged: Judged, chosen: Judged, rule: Rule) -> float:
     if judged.candidate.complexity <= chosen.candidate.complexity:
         return 1.0
     difference = compare(chosen.errors, judged.errors)
-    return 1.0 + max(2.0 * difference.std, rule.materiality / 2)
+    return 1.0 + _lead(difference, judged.errors, chosen.errors, rule)
 
 
 def _near(other: Judged, chosen: Judged, rule: Rule) -> bool:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bondgraph.diagnosis.evidence.decision import (
     Judged,
@@ -21,6 +22,7 @@ from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.trying import Start, Trial, errors_left_out
 
+Array = NDArray[np.float64]
 TWINS = 1e-3
 """Candidates whose residuals differ by less than this share predict the same."""
 
@@ -35,7 +37,11 @@ class Verdicts:
 
 
 def judge_all(
-    bench: Bench, worth: Sequence[Candidate], tried: float, rule: Rule
+    bench: Bench,
+    worth: Sequence[Candidate],
+    tried: float,
+    rule: Rule,
+    noise: Array,
 ) -> Verdicts:
     """Judge candidates on left-out data; twins share their errors.
 
@@ -43,6 +49,8 @@ def judge_all(
     ----------
     tried
         How many independent hypotheses these are the best of.
+    noise
+        Residual per output that noise excuses, 0 where it is not known.
     """
     if not worth:
         return Verdicts()
@@ -60,8 +68,14 @@ def judge_all(
         for i in kinds
     ]
     results = bench.run(errors_left_out, trials, "judging")
+    per_sample = float(np.sum((noise / bench.base.problem.sigma) ** 2))
     errors = {
-        i: LeftOutErrors(np.array(result["chunks"]), np.array(result["surprise"]))
+        i: LeftOutErrors(
+            np.array(result["chunks"]),
+            np.array(result["surprise"]),
+            result["samples"],
+            per_sample * result["samples"],
+        )
         for i, result in zip(kinds, results, strict=True)
     }
     judged = tuple(

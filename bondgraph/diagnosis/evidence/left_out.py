@@ -39,10 +39,21 @@ class LeftOutErrors:
     surprise
         Sum of the surprise on each of the shorter blocks, in nats; empty where it was
         not asked for.
+    samples
+        How many were summed over, all outputs of an instant together.
+    noise
+        What measurement noise alone would leave of the whole sum, 0 if it is not known.
     """
 
     chunks: Array
     surprise: Array = field(default_factory=lambda: np.zeros(0))
+    samples: int = 0
+    noise: float = 0.0
+
+    @property
+    def beyond_noise(self) -> float:
+        """The whole error without what noise alone would leave."""
+        return max(float(self.chunks.sum()) - self.noise, 0.0)
 
 
 def chunk_count(fitted: FittedModel) -> int:
@@ -86,7 +97,7 @@ def left_out_errors(fitted: FittedModel, chunks: int) -> LeftOutErrors:
     labels = chunk_labels(problem, chunks)
     blocks = labels if chunks == MOST_CHUNKS else chunk_labels(problem, MOST_CHUNKS)
     totals, nats = np.zeros(chunks), np.zeros(MOST_CHUNKS)
-    unknowns = len(problem.free) + fitted.optimum.initial.size
+    unknowns, samples = len(problem.free) + fitted.optimum.initial.size, 0
     for fold in range(FOLDS):
         test = labels % FOLDS == fold
         begins = _first_halves(problem, test)
@@ -95,9 +106,10 @@ def left_out_errors(fitted: FittedModel, chunks: int) -> LeftOutErrors:
         squared = np.where(np.isfinite(squared), squared, LOST)
         told = surprise(residuals, problem.shots.slices, unknowns)
         scored = test & ~begins
+        samples += int(np.count_nonzero(scored))
         totals += np.bincount(labels, weights=squared * scored, minlength=chunks)
         nats += np.bincount(blocks, weights=told * scored, minlength=MOST_CHUNKS)
-    return LeftOutErrors(totals, nats)
+    return LeftOutErrors(totals, nats, samples)
 
 
 def _first_halves(problem: FitProblem, test: NDArray[np.bool_]) -> NDArray[np.bool_]:

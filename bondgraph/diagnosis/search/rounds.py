@@ -155,7 +155,7 @@ def search(
         number = len(rounds) + 1
         if number > options.most_findings or within(current, noise, options.rule):
             return [*rounds, Round(current)]
-        found = _one_round(current, recordings, options, number, shop)
+        found = _one_round(current, recordings, noise, options, number, shop)
         if found.chosen is None:
             return [*rounds, found]
         candidate = found.chosen.candidate
@@ -229,6 +229,7 @@ def sharpened(
 def _one_round(
     base: FittedModel,
     recordings: Sequence[BoundRecording],
+    noise: Array,
     options: Options,
     number: int,
     shop: Workshop,
@@ -248,7 +249,7 @@ def _one_round(
     worth, forgetful = remembering(base, known, recordings)
     order = {id(hypothesis): i for i, hypothesis in enumerate(hypotheses)}
     worth.sort(key=lambda candidate: order[id(candidate.hypothesis)])
-    verdicts = judge_all(bench, worth, screened.independent, options.rule)
+    verdicts = judge_all(bench, worth, screened.independent, options.rule, noise)
     return Round(
         base,
         len(hypotheses),

@@ -212,4 +212,8 @@ def errors_left_out(base: FittedModel, trial: Trial) -> Plain:
     """Return the errors, chunk by chunk, on data that the model was not fitted to."""
     fitted = restored(base, trial)
     errors = left_out_errors(fitted, trial.chunks)
-    return {"chunks": errors.chunks.tolist(), "surprise": errors.surprise.tolist()}
+    return {
+        "chunks": errors.chunks.tolist(),
+        "surprise": errors.surprise.tolist(),
+        "samples": errors.samples,
+    }
