@@ -7,8 +7,8 @@ import pytest
 from handmade_diagnosis import cart_diagnosis
 
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
+from bondgraph.diagnosis.answer.leftover import excusable
 from bondgraph.diagnosis.answer.verdict import (
-    excusable,
     verdict_of,
     worse_held_out,
 )

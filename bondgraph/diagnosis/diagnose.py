@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from bondgraph.diagnosis.answer.leftover import excusable
 from bondgraph.diagnosis.answer.telling import answer
-from bondgraph.diagnosis.answer.verdict import excusable
 from bondgraph.diagnosis.misreadings import refuse_unchanging, without_misreadings
 from bondgraph.diagnosis.records import Diagnosis
 from bondgraph.diagnosis.search.between_samples import finely_stepped, fitted_either_way

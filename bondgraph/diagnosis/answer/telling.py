@@ -8,13 +8,13 @@ import numpy as np
 from bondgraph.diagnosis.adequacy.adequacy import adequacy
 from bondgraph.diagnosis.adequacy.records import Adequacy
 from bondgraph.diagnosis.answer.found import all_evidence, findings_of, remaining
+from bondgraph.diagnosis.answer.leftover import noise_floor
 from bondgraph.diagnosis.answer.look_alikes import look_alikes
 from bondgraph.diagnosis.answer.notes import notes_on, provenance
 from bondgraph.diagnosis.answer.separating import designed, left_close
 from bondgraph.diagnosis.answer.showing import recovered_law, simulate_whole, traces
 from bondgraph.diagnosis.answer.stated import contradicted
 from bondgraph.diagnosis.answer.verdict import (
-    noise_floor,
     not_simulated,
     verdict_of,
     with_undecided,

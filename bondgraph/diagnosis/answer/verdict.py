@@ -1,26 +1,21 @@
-"""The verdict: nothing missing, physics missing, a curve without a name, or unclear.
-
-What is left unexplained is compared with the measurement noise, which is estimated from
-the recordings alone.
-"""
+"""The verdict: nothing missing, physics missing, a curve without a name, or unclear."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
+from bondgraph.diagnosis.answer.leftover import (
+    residual_over_noise,
+    residual_over_spread,
+)
 from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.records import Comparison, Finding, Support, Verdict
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.diagnosis.search.rounds import Round
-from bondgraph.diagnosis.virtual.noise import output_noise
 from bondgraph.fitting.estimate import FittedModel
-from bondgraph.recordings.binding import BoundRecording
-from bondgraph.recordings.noise import NoiseEstimate, estimate_noise
 
-Array = NDArray[np.float64]
 NOTHING = (AdequacyStatus.ADEQUATE, AdequacyStatus.COLOURED)
 """What a model leaves that no physics of the machine explains."""
 
@@ -46,37 +41,6 @@ ADEQUATE_RATIO = 3.0
 
 SIZEABLE = 0.1
 """Of an output's spread: a coloured residual larger than that is no mere noise."""
-
-
-def noise_floor(recordings: Sequence[BoundRecording]) -> dict[str, float]:
-    """Return the measurement noise of each output, the largest over recordings."""
-    names, noise = recordings[0].output_names, output_noise(recordings)
-    return {name: one.std or 0.0 for name, one in zip(names, noise, strict=True)}
-
-
-def excusable(recordings: Sequence[BoundRecording]) -> Array:
-    """Return per output the residual that noise alone excuses.
-
-    The noise where it is certain, that is where it looks white: fast motion looks like
-    noise to an estimate that sees one channel. And half a step of a quantised channel,
-    within which rounding follows the motion and looks like physics.
-    """
-    certain = [
-        [_excused(one) for one in _noise(recordings, output)]
-        for output in range(len(recordings[0].output_names))
-    ]
-    return np.array([min(excuses, default=0.0) for excuses in certain])
-
-
-def _excused(noise: NoiseEstimate) -> float:
-    step = 0.0 if noise.quantisation is None else noise.quantisation
-    return max(noise.std if noise.white else 0.0, step / 2)
-
-
-def _noise(recordings: Sequence[BoundRecording], output: int) -> list[NoiseEstimate]:
-    return [
-        estimate_noise(r.time, r.outputs[:, output]) for r in recordings if not r.steady
-    ]
 
 
 def verdict_of(
@@ -152,7 +116,7 @@ def _large_and_slow(
     """Return what to say of a residual too large for noise that follows nothing."""
     if checked is None or checked.status is not AdequacyStatus.COLOURED:
         return None
-    shares = _shares_of_spread(base)
+    shares = residual_over_spread(base)
     large = [
         name
         for name, ratio in ratios.items()
@@ -259,25 +223,3 @@ def _tried_words(tried: int) -> str:
         f", and none of {tried} candidates improves the prediction of data that were "
         "left out"
     )
-
-
-def residual_over_noise(
-    fitted: FittedModel, floor: Mapping[str, float]
-) -> dict[str, float]:
-    """Return per output how many times the residual exceeds the noise floor."""
-    rms = np.sqrt(np.nanmean(fitted.residuals() ** 2, axis=0))
-    names = fitted.problem.model.output_names
-    return {
-        name: float(size / floor[name])
-        for name, size in zip(names, rms, strict=True)
-        if floor[name] > 0.0
-    }
-
-
-def _shares_of_spread(fitted: FittedModel) -> dict[str, float]:
-    """Return per output the residual over the standard deviation of what was read."""
-    rms = np.sqrt(np.nanmean(fitted.residuals() ** 2, axis=0))
-    spread = np.nanstd(fitted.problem.shots.outputs, axis=0)
-    shares = rms / np.where(spread > 0.0, spread, np.inf)
-    names = fitted.problem.model.output_names
-    return dict(zip(names, map(float, shares), strict=True))

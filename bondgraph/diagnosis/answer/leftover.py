@@ -1,0 +1,69 @@
+"""What a model leaves, held against the noise and against what was measured.
+
+The noise is estimated from the recordings alone.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.diagnosis.virtual.noise import output_noise
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.noise import NoiseEstimate, estimate_noise
+
+Array = NDArray[np.float64]
+
+
+def noise_floor(recordings: Sequence[BoundRecording]) -> dict[str, float]:
+    """Return the measurement noise of each output, the largest over recordings."""
+    names, noise = recordings[0].output_names, output_noise(recordings)
+    return {name: one.std or 0.0 for name, one in zip(names, noise, strict=True)}
+
+
+def excusable(recordings: Sequence[BoundRecording]) -> Array:
+    """Return per output the residual that noise alone excuses.
+
+    The noise where it is certain, that is where it looks white: fast motion looks like
+    noise to an estimate that sees one channel. And half a step of a quantised channel,
+    within which rounding follows the motion and looks like physics.
+    """
+    certain = [
+        [_excused(one) for one in _noise(recordings, output)]
+        for output in range(len(recordings[0].output_names))
+    ]
+    return np.array([min(excuses, default=0.0) for excuses in certain])
+
+
+def _excused(noise: NoiseEstimate) -> float:
+    step = 0.0 if noise.quantisation is None else noise.quantisation
+    return max(noise.std if noise.white else 0.0, step / 2)
+
+
+def _noise(recordings: Sequence[BoundRecording], output: int) -> list[NoiseEstimate]:
+    return [
+        estimate_noise(r.time, r.outputs[:, output]) for r in recordings if not r.steady
+    ]
+
+
+def residual_over_noise(
+    fitted: FittedModel, floor: Mapping[str, float]
+) -> dict[str, float]:
+    """Return per output how many times the residual exceeds the noise floor."""
+    rms = np.sqrt(np.nanmean(fitted.residuals() ** 2, axis=0))
+    names = fitted.problem.model.output_names
+    return {
+        name: float(size / floor[name])
+        for name, size in zip(names, rms, strict=True)
+        if floor[name] > 0.0
+    }
+
+
+def residual_over_spread(fitted: FittedModel) -> dict[str, float]:
+    """Return per output the residual over the standard deviation of what was read."""
+    rms = np.sqrt(np.nanmean(fitted.residuals() ** 2, axis=0))
+    spread = np.nanstd(fitted.problem.shots.outputs, axis=0)
+    shares = rms / np.where(spread > 0.0, spread, np.inf)
+    names = fitted.problem.model.output_names
+    return dict(zip(names, map(float, shares), strict=True))
