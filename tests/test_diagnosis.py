@@ -129,7 +129,8 @@ def test_the_held_out_recording_changes_no_choice():
         diagnose(free_cart(), [training], held_out=[shown], options=FEW)
         for shown in (recorded(2, coulomb=1.0), recorded(2, spring=30.0))
     )
-    assert honest.statement == silly.statement
+    assert silly.statement.startswith(honest.statement)
+    assert "does not carry over" in silly.statement
     assert honest.candidates == silly.candidates
     assert honest.fit_after.estimates == silly.fit_after.estimates
 
