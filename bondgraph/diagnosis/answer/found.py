@@ -18,6 +18,15 @@ from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.spread import changes, spread
 
+SHAPE = 0.01
+"""So much of what earlier findings explain may be the shape of their laws: no law of a
+library is exact.
+"""
+
+MENDS_SHAPE = (
+    " It takes away little beside what was found before, and may only mend its shape."
+)
+
 
 def findings_of(
     accepted: Sequence[Round],
@@ -27,8 +36,9 @@ def findings_of(
 ) -> tuple[list[Finding], dict[str, Sequence[Judged]]]:
     """Return the findings, and for each element what the data do not tell from it."""
     findings: list[Finding] = []
+    shares = shares_beside_earlier(accepted)
     others: dict[str, Sequence[Judged]] = {}
-    for found in accepted:
+    for found, share in zip(accepted, shares, strict=True):
         chosen = found.chosen
         assert chosen is not None
         close = alternatives_to(chosen, found.judged, options.rule)
@@ -42,7 +52,8 @@ def findings_of(
                 physics=chosen.physics,
                 place=chosen.place,
                 element=hypothesis.element,
-                statement=finding_statement(chosen, places, close, estimates),
+                statement=finding_statement(chosen, places, close, estimates)
+                + (MENDS_SHAPE if share < 0.5 else ""),
                 law=str(hypothesis.law),
                 indistinguishable_places=places,
                 alternatives=(
@@ -50,11 +61,28 @@ def findings_of(
                     *_hardly_supported(found, options, held_out),
                 ),
                 estimates=estimates,
-                probability=found.probability,
+                probability=(
+                    None if found.probability is None else share * found.probability
+                ),
             )
         )
         others[hypothesis.element] = close
     return findings, others
+
+
+def shares_beside_earlier(accepted: Sequence[Round]) -> list[float]:
+    """Return for each finding how far it is more than the shape of earlier ones.
+
+    What it explains over that and `SHAPE` of what they do, all of the first model's
+    left-out error.
+    """
+    shares, left = [], 1.0
+    for found in accepted:
+        assert found.chosen is not None
+        own = max(left * found.chosen.gain.value, 1e-12)
+        shares.append(own / (own + SHAPE * (1.0 - left)))
+        left -= own
+    return shares
 
 
 def _shown(judged: Judged, held_out: Sequence[BoundRecording]) -> Evidence:

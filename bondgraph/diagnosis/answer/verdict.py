@@ -22,6 +22,9 @@ NOTHING = (AdequacyStatus.ADEQUATE, AdequacyStatus.COLOURED)
 MOST_REMAINING = 0.5
 """Findings that leave more than this share of the error have not found the cause."""
 
+MUCH_REMAINING = 0.1
+"""More than this share of the error is worth saying that it remains."""
+
 TRACE = 0.05
 """A smaller share of what a model leaves does not matter, however sure it is."""
 
@@ -64,7 +67,7 @@ def verdict_of(
     told = " ".join(finding.statement for finding in findings)
     if any(finding.physics != CURVE for finding in findings):
         if remaining < MOST_REMAINING:
-            return Verdict.PHYSICS_MISSING, told
+            return Verdict.PHYSICS_MISSING, told + _more_missing(remaining)
         return Verdict.UNEXPLAINED, (
             f"{told} That explains only {100 * (1 - remaining):.0f} % of the error on "
             "left-out data: something larger is missing that no law tried here "
@@ -107,6 +110,15 @@ def verdict_of(
     return Verdict.ADEQUATE, (
         "Nothing is missing that these recordings could show: "
         f"{_residual_words(worst)}{_tried_words(first.tried)}."
+    )
+
+
+def _more_missing(remaining: float) -> str:
+    if remaining < MUCH_REMAINING:
+        return ""
+    return (
+        f" {100 * remaining:.0f} % of the error on left-out data remains: more is "
+        "missing than was found."
     )
 
 

@@ -1,7 +1,7 @@
 """Judging: the fitted candidates on data they were not fitted to, twins together."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +18,15 @@ from bondgraph.diagnosis.evidence.left_out import (
     chunk_count,
     left_out_errors,
 )
+from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.trying import Start, Trial, errors_left_out
 
 Array = NDArray[np.float64]
+LOST_FROM_THE_START = (
+    "whole recordings, simulated from a state that their first part tells, are lost"
+)
 TWINS = 1e-3
 """Candidates whose residuals differ by less than this share predict the same."""
 
@@ -42,6 +46,7 @@ def judge_all(
     tried: float,
     rule: Rule,
     noise: Array,
+    holds: Callable[[Candidate], bool],
 ) -> Verdicts:
     """Judge candidates on left-out data; twins share their errors.
 
@@ -51,6 +56,9 @@ def judge_all(
         How many independent hypotheses these are the best of.
     noise
         Residual per output that noise excuses, 0 where it is not known.
+    holds
+        Whether a candidate simulates whole recordings as well; asked of the leading
+        ones only.
     """
     if not worth:
         return Verdicts()
@@ -78,13 +86,18 @@ def judge_all(
         )
         for i, result in zip(kinds, results, strict=True)
     }
-    judged = tuple(
+    judged = [
         judge(candidate, before, errors[i], tried, rule)
         for i, candidate in zip(first, worth, strict=True)
-    )
-    chosen = best_supported(judged, rule)
-    sure = None if chosen is None else probability(chosen, judged, before, rule)
-    return Verdicts(judged, chosen, sure)
+    ]
+    while chosen := best_supported(judged, rule):
+        if holds(chosen.candidate):
+            sure = probability(chosen, judged, before, rule)
+            return Verdicts(tuple(judged), chosen, sure)
+        judged[judged.index(chosen)] = replace(
+            chosen, support=Support.REFUTED, reason=LOST_FROM_THE_START
+        )
+    return Verdicts(tuple(judged))
 
 
 def _first_twin(index: int, candidates: Sequence[Candidate]) -> int:
