@@ -9,6 +9,7 @@ from scipy import stats
 from scipy.signal import lfilter
 
 from bondgraph import BondGraph, C, R, Recording, Sf, bind_to
+from bondgraph.diagnosis.answer.found import shares_beside_earlier
 from bondgraph.diagnosis.evidence import left_out
 from bondgraph.diagnosis.evidence.confidence import winning_shares
 from bondgraph.diagnosis.evidence.decision import (
@@ -22,6 +23,7 @@ from bondgraph.diagnosis.evidence.decision import (
     probability,
 )
 from bondgraph.diagnosis.evidence.gain import Gain, compare
+from bondgraph.diagnosis.evidence.judging import decide
 from bondgraph.diagnosis.evidence.left_out import (
     FOLDS,
     LeftOutErrors,
@@ -305,6 +307,35 @@ def test_what_is_still_missing_may_bend_a_wider_law_to_lead(left, noise):
     # A lead of a fifth is much beside a tenth that is not noise, little beside nine.
     assert clearly_better(wide, bent, RULE) == (noise == 0.9)
     assert best_supported([wide, bent], RULE) is (wide if noise == 0.9 else bent)
+
+
+def test_what_loses_whole_recordings_is_refuted_and_the_next_is_told():
+    best, next_best = judged(0.1, physics="runaway"), judged(0.3)
+    verdicts = decide(
+        [best, next_best],
+        BASE,
+        RULE,
+        lambda candidate: candidate.hypothesis.physics != "runaway",
+    )
+    assert verdicts.chosen is next_best
+    (lost,) = (j for j in verdicts.judged if j.physics == "runaway")
+    assert lost.support is Support.REFUTED
+    assert "whole recordings" in lost.reason
+    nothing = decide([best], BASE, RULE, lambda _: False)
+    assert nothing.chosen is None
+    assert nothing.probability is None
+
+
+def _found(gain):
+    return SimpleNamespace(chosen=SimpleNamespace(gain=SimpleNamespace(value=gain)))
+
+
+def test_a_later_finding_counts_by_what_it_explains_beside_the_earlier():
+    first, second = shares_beside_earlier([_found(0.9), _found(0.5)])
+    assert first == 1.0
+    assert second == pytest.approx(0.05 / (0.05 + 0.01 * 0.9))
+    _, little = shares_beside_earlier([_found(0.994), _found(0.45)])
+    assert little == pytest.approx(0.0027 / (0.0027 + 0.01 * 0.994))
 
 
 def test_of_laws_that_predict_alike_the_plainest_is_told_at_its_best_place():

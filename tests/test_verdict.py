@@ -20,7 +20,11 @@ from bondgraph.recordings.recording import Recording
 
 @pytest.mark.parametrize(
     ("remaining", "verdict"),
-    [(0.0, Verdict.PHYSICS_MISSING), (0.8, Verdict.UNEXPLAINED)],
+    [
+        (0.0, Verdict.PHYSICS_MISSING),
+        (0.2, Verdict.PHYSICS_MISSING),
+        (0.8, Verdict.UNEXPLAINED),
+    ],
 )
 def test_what_explains_less_than_half_is_not_the_cause(remaining, verdict):
     findings = cart_diagnosis().findings
@@ -28,6 +32,9 @@ def test_what_explains_less_than_half_is_not_the_cause(remaining, verdict):
     assert answer is verdict
     assert findings[0].statement in statement
     assert ("only 20 %" in statement) == (verdict is Verdict.UNEXPLAINED)
+    assert ("20 % of the error on left-out data remains" in statement) == (
+        remaining == 0.2
+    )
 
 
 def _recorded(values):

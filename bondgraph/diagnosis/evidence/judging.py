@@ -90,14 +90,31 @@ def judge_all(
         judge(candidate, before, errors[i], tried, rule)
         for i, candidate in zip(first, worth, strict=True)
     ]
-    while chosen := best_supported(judged, rule):
+    return decide(judged, before, rule, holds)
+
+
+def decide(
+    judged: Sequence[Judged],
+    before: LeftOutErrors,
+    rule: Rule,
+    holds: Callable[[Candidate], bool],
+) -> Verdicts:
+    """Return the best supported candidate that holds, those that do not refuted.
+
+    Parameters
+    ----------
+    before
+        Errors without any of them.
+    """
+    left = list(judged)
+    while chosen := best_supported(left, rule):
         if holds(chosen.candidate):
-            sure = probability(chosen, judged, before, rule)
-            return Verdicts(tuple(judged), chosen, sure)
-        judged[judged.index(chosen)] = replace(
+            sure = probability(chosen, left, before, rule)
+            return Verdicts(tuple(left), chosen, sure)
+        left[left.index(chosen)] = replace(
             chosen, support=Support.REFUTED, reason=LOST_FROM_THE_START
         )
-    return Verdicts(tuple(judged))
+    return Verdicts(tuple(left))
 
 
 def _first_twin(index: int, candidates: Sequence[Candidate]) -> int:
