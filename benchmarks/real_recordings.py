@@ -104,7 +104,12 @@ def run(name: str, words: Sequence[str], out: Path, workers: int) -> str:
 def row(name: str, answer: dict[str, Any], seconds: str) -> str:
     """Return the row of the table of one answer."""
     said = [f"{f['physics']} at {f['place']}" for f in answer["findings"]]
-    others = {o["physics"] for f in answer["findings"] for o in f["alternatives"]}
+    others = {
+        other["physics"]
+        for finding in answer["findings"]
+        for other in finding["alternatives"]
+        if other["support"] == "supported"
+    }
     fit = answer["fit"]["held_out"]
     errors = ", ".join(
         f"{channel} {before:.3g} → {fit['after']['rmse'][channel]:.3g}"
