@@ -19,7 +19,9 @@ from benchmarks.mutation.mutants import Mutant, mutants_of, mutated
 TRUSTED = ("bondgraph/causality", "bondgraph/equations", "bondgraph/diagnosis/evidence")
 TESTS = tuple(
     f"tests/test_{name}.py"
-    for name in "causality diagnosis_workers evidence".split(" ")
+    for name in (
+        "causality causality_exhaustive causality_words diagnosis_workers evidence"
+    ).split()
 )
 """The quickest that check these packages; others would kill more, for a longer wait."""
 
