@@ -88,3 +88,5 @@ def test_the_answer_as_json_names_the_files(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     answer = json.loads(run("new", "mine", "--json", "-").stdout)
     assert all((tmp_path / "mine" / file).exists() for file in answer["files"])
+    readme = Path("mine/README.md").read_text("utf-8")
+    assert "A DC motor that turns a flywheel: a model" in readme

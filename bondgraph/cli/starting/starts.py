@@ -13,6 +13,7 @@ from bondgraph.cli.starting.benches import (
     spring_columns,
     tanks_columns,
 )
+from bondgraph.reporting.wording import sentence_start
 
 SAMPLES = 800
 TRAIN, HELD_OUT = "recordings/train.csv", "recordings/held_out.csv"
@@ -155,7 +156,7 @@ def _readme(start: Start, name: str) -> str:
     return f"""\
 # {name}
 
-{start.is_what.capitalize()}: a model, two recordings, and what to type.
+{sentence_start(start.is_what)}: a model, two recordings, and what to type.
 
 ```sh
 {listed}
