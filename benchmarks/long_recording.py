@@ -24,10 +24,7 @@ FORMATS = ("csv", "parquet")
 def written(folder: Path, rows: int) -> dict[str, Path]:
     """Write the same recording in each format; return where."""
     import pyarrow as pa  # noqa: PLC0415
-    from pyarrow import (
-        csv,
-        parquet,
-    )
+    from pyarrow import csv, parquet  # noqa: PLC0415
 
     random = np.random.default_rng(1)
     force = np.round(np.repeat(random.uniform(-5, 5, rows // 100 + 1), 100)[:rows], 4)
