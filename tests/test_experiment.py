@@ -57,7 +57,7 @@ def test_an_input_is_designed_that_beats_the_others_and_can_be_played(tmp_path):
     found = next_experiment(fits, recordings)
     assert found.sigmas == max(proposal.sigmas for proposal in found.inputs)
     assert found.sigmas > 10.0
-    assert f"{found.sigmas:.2g} sigmas" in found.statement
+    assert f"{float(f'{found.sigmas:.2g}'):.0f} sigmas" in found.statement
     force = found.input.channel("force").values
     assert force.min() >= recordings[0].inputs.min() - 1e-9
     assert force.max() <= recordings[0].inputs.max() + 1e-9

@@ -208,16 +208,17 @@ def _statement(
     sensors: Sequence[SensorAddition],
 ) -> str:
     sensor = _sensor_words(recorded, sensors)
+    designed, seen = _two_digits(sigmas), _two_digits(recorded)
     if sigmas < VISIBLE:
         return (
             f"No input within these limits separates the alternatives: the best, a "
-            f"{name}, by {sigmas:.2g} sigmas.{sensor}"
+            f"{name}, by {designed} sigmas.{sensor}"
         )
     if sigmas <= recorded:
         return (
             "Record more of the same: no one input tried separates the alternatives "
-            f"better than those recorded do together ({recorded:.2g} sigmas in "
-            f"{played.duration:.3g} s; the best, a {name}, {sigmas:.2g}).{sensor}"
+            f"better than those recorded do together ({seen} sigmas in "
+            f"{played.duration:.3g} s; the best, a {name}, {designed}).{sensor}"
         )
     spans = ", ".join(
         f"{c.name} from {c.values.min():.3g} to {c.values.max():.3g} {c.unit}"
@@ -225,9 +226,14 @@ def _statement(
     )
     return (
         f"Play a {name} ({spans}, {played.duration:.3g} s): the alternatives then "
-        f"differ by {sigmas:.2g} sigmas in all, against {recorded:.2g} in as much of "
-        f"the recording there is.{sensor}"
+        f"differ by {designed} sigmas in all, against {seen} in as much of the "
+        f"recording there is.{sensor}"
     )
+
+
+def _two_digits(sigmas: float) -> str:
+    """Return a number of sigmas to read, without a power of ten below a million."""
+    return f"{float(f'{sigmas:.2g}'):.6g}"
 
 
 def _sensor_words(recorded: float, sensors: Sequence[SensorAddition]) -> str:
@@ -237,5 +243,5 @@ def _sensor_words(recorded: float, sensors: Sequence[SensorAddition]) -> str:
     best = sensors[0]
     return (
         f" Measuring the {best.quantity} at {best.place} as well, they differ by "
-        f"{best.sigmas:.2g} sigmas with the motion that was recorded."
+        f"{_two_digits(best.sigmas)} sigmas with the motion that was recorded."
     )
