@@ -56,32 +56,47 @@ class SetValuedForm:
     instantaneous: bool
 
 
+@dataclass(frozen=True, slots=True)
+class _Frictions:
+    """The frictions of a model: for each argument g its λ, its modes and its places.
+
+    ``within`` holds the signs that each wire's own law gives it.
+    """
+
+    force: dict[sympy.Expr, sympy.Symbol]
+    modes: dict[sympy.Expr, tuple[sympy.Symbol, sympy.Symbol]]
+    places: dict[sympy.Expr, list[str]]
+    within: dict[sympy.Symbol, tuple[sympy.Expr, ...]]
+
+    def freed(self, symbol: sympy.Symbol, expression: sympy.Expr) -> sympy.Expr:
+        """Return what defines a wire with its own signs replaced by their λ."""
+        own = self.within.get(symbol, ())
+        return expression.xreplace({sign: self.force[sign] for sign in own})
+
+    @property
+    def arguments(self) -> list[sympy.Expr]:
+        """The g of every friction."""
+        return [sign.args[0] for sign in self.force]
+
+    @property
+    def held(self) -> list[sympy.Expr]:
+        """What is zero while modes last: ``σ g + (1 - σ) (λ - m)``."""
+        return [
+            stick * sign.args[0] + (1 - stick) * (value - slip)
+            for (sign, value), (stick, slip) in zip(
+                self.force.items(), self.modes.values(), strict=True
+            )
+        ]
+
+
 def set_valued_form(equations: StateEquations) -> SetValuedForm | None:
     """Return the form of equations with set-valued friction, or None without any."""
-    origin = {a.symbol: a.origin for a in equations.assignments}
-    causes = dict(zip(equations.unknowns, equations.causes, strict=True))
-    dry = {
-        symbol: signs
-        for symbol, signs in equations.dry_friction.items()
-        if symbol in origin or symbol in causes
-    }
-    if not dry:
+    found = _frictions(equations)
+    if not found.force:
         return None
-    force: dict[sympy.Expr, sympy.Symbol] = {}
-    places: dict[sympy.Expr, list[str]] = {}
-    for symbol, signs in dry.items():
-        for sign in signs:
-            force.setdefault(sign, sympy.Dummy("friction", real=True))
-            named = [origin[symbol]] if symbol in origin else causes[symbol]
-            places.setdefault(sign, []).extend(named)
-
-    def freed(symbol: sympy.Symbol, expression: sympy.Expr) -> sympy.Expr:
-        return expression.xreplace({s: force[s] for s in dry.get(symbol, ())})
-
-    modes = [(sympy.Dummy("stick"), sympy.Dummy("slip")) for _ in force]
     states = [s.symbol for s in equations.states]
     rates = [s.rate for s in equations.states]
-    unknowns = [*equations.unknowns, *force.values()]
+    unknowns = [*equations.unknowns, *found.force.values()]
     variables = [
         *states,
         *rates,
@@ -89,28 +104,11 @@ def set_valued_form(equations: StateEquations) -> SetValuedForm | None:
         *equations.inputs,
         *equations.input_rates,
         *equations.parameters,
-        *(symbol for pair in modes for symbol in pair),
+        *(symbol for pair in found.modes.values() for symbol in pair),
         time_symbol,
     ]
-    residuals = zip(equations.unknowns, equations.residuals, strict=True)
-    whole = record_tape(
-        variables,
-        [(a.symbol, freed(a.symbol, a.expression)) for a in equations.assignments],
-        [
-            *equations.rates,
-            *(freed(symbol, residual) for symbol, residual in residuals),
-            *(sign.args[0] for sign in force),
-            *(
-                stick * sign.args[0] + (1 - stick) * (value - slip)
-                for (sign, value), (stick, slip) in zip(
-                    force.items(), modes, strict=True
-                )
-            ),
-            *(output.expression for output in equations.outputs),
-        ],
-        lambda _: False,
-    )
-    n, nd = len(states) + len(unknowns), len(force)
+    whole = _recorded(equations, found, variables)
+    n, nd = len(states) + len(unknowns), len(found.force)
     solved, instant = {*states, *rates, *unknowns}, {*rates, *unknowns}
 
     def some(results: Sequence[int], active: set[sympy.Symbol]) -> Tape:
@@ -120,11 +118,51 @@ def set_valued_form(equations: StateEquations) -> SetValuedForm | None:
     dynamics = some(range(n), solved)
     output = some(range(n + nd, len(whole.outputs)), instant)
     return SetValuedForm(
-        places=tuple(" and ".join(dict.fromkeys(places[s])) for s in force),
+        places=tuple(" and ".join(dict.fromkeys(p)) for p in found.places.values()),
         dynamics=dynamics,
         held=some([*range(n - nd), *range(n, n + nd)], solved),
         arguments=some(range(n - nd, n), solved),
         output=output,
         linear=bool(np.all(dynamics.degree < 2)),
         instantaneous=bool(np.any(output.degree > 0)),
+    )
+
+
+def _frictions(equations: StateEquations) -> _Frictions:
+    """Return the frictions of the equations; those that read the same g are one."""
+    origin = {a.symbol: a.origin for a in equations.assignments}
+    causes = dict(zip(equations.unknowns, equations.causes, strict=True))
+    found = _Frictions({}, {}, {}, {})
+    for symbol, signs in equations.dry_friction.items():
+        if symbol not in origin and symbol not in causes:
+            continue
+        found.within[symbol] = signs
+        named = [origin[symbol]] if symbol in origin else causes[symbol]
+        for sign in signs:
+            if sign not in found.force:
+                found.force[sign] = sympy.Dummy("friction", real=True)
+                found.modes[sign] = sympy.Dummy("stick"), sympy.Dummy("slip")
+            found.places.setdefault(sign, []).extend(named)
+    return found
+
+
+def _recorded(
+    equations: StateEquations, found: _Frictions, variables: Sequence[sympy.Symbol]
+) -> Tape:
+    """Return the tape of rates, residuals, arguments, held modes and outputs."""
+    residuals = zip(equations.unknowns, equations.residuals, strict=True)
+    return record_tape(
+        variables,
+        [
+            (a.symbol, found.freed(a.symbol, a.expression))
+            for a in equations.assignments
+        ],
+        [
+            *equations.rates,
+            *(found.freed(symbol, residual) for symbol, residual in residuals),
+            *found.arguments,
+            *found.held,
+            *(output.expression for output in equations.outputs),
+        ],
+        lambda _: False,
     )

@@ -28,7 +28,10 @@ LIBRARY = {
     Op.SQRT: "llvm.sqrt",
     Op.ABS: "llvm.fabs",
 }
-_INFIX = {Op.ADD: "fadd", Op.SUB: "fsub", Op.MUL: "fmul", Op.DIV: "fdiv"}
+# A divisor that many share, such as a parameter, is inverted once (one rounding more):
+# a division takes as long as three products, and each step waits for several in a row.
+DIVIDE = "fdiv arcp"
+_INFIX = {Op.ADD: "fadd", Op.SUB: "fsub", Op.MUL: "fmul", Op.DIV: DIVIDE}
 _COMPARISONS = {Op.LESS: "olt", Op.LESS_EQUAL: "ole"}
 
 Row = Mapping[int, str]
@@ -87,7 +90,7 @@ class Assembly:
 
     def divide(self, a: str, b: str) -> str:
         """Return a / b."""
-        return a if b == self.one else self.write(f"fdiv {self.real} {a}, {b}")
+        return a if b == self.one else self.write(f"{DIVIDE} {self.real} {a}, {b}")
 
     def negate(self, a: str) -> str:
         """Return -a."""
