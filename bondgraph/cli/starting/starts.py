@@ -13,7 +13,6 @@ from bondgraph.cli.starting.benches import (
     spring_columns,
     tanks_columns,
 )
-from bondgraph.reporting.wording import sentence_start
 
 SAMPLES = 800
 TRAIN, HELD_OUT = "recordings/train.csv", "recordings/held_out.csv"
@@ -156,7 +155,7 @@ def _readme(start: Start, name: str) -> str:
     return f"""\
 # {name}
 
-{sentence_start(start.is_what)}: a model, two recordings, and what to type.
+{start.is_what[:1].upper()}{start.is_what[1:]}: a model, two recordings, and what to type.
 
 ```sh
 {listed}
