@@ -152,10 +152,11 @@ def _readme(start: Start, name: str) -> str:
     listed = "\n".join(
         f"{command}  # {does}" for command, does in commands(start).items()
     )
+    first, rest = start.is_what[0], start.is_what[1:]
     return f"""\
 # {name}
 
-{start.is_what[:1].upper()}{start.is_what[1:]}: a model, two recordings, and what to type.
+{first.upper()}{rest}: a model, two recordings, and what to type.
 
 ```sh
 {listed}
