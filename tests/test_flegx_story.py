@@ -1,0 +1,143 @@
+"""The story of FlegX's own mismatch: the leg that is simulated, and its controllers.
+
+What the simulator does is held to formulas by hand; an answer is taken on to the zero
+of its controller. The diagnoses themselves are run by command.
+"""
+
+import ast
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sympy
+
+from benchmarks.flegx_story import leg, recording, train
+from benchmarks.flegx_story.__main__ import said, shaped
+from benchmarks.flegx_story.leg import ALL, ALONE, JOINTS, Concealed, machine
+from benchmarks.flegx_story.shaping import (
+    designed,
+    friction_pole,
+    plant_of,
+    rubbed,
+    speed_of_the_test,
+)
+from bondgraph import InsertElement, Parameter, R, f, to_python
+from flegx_models import models
+from flegx_models.tuned_zeros import (
+    friction_per_load,
+    identified_friction,
+    tuning_tests,
+)
+
+KNEE_IN_STANCE = JOINTS[2]
+
+
+def _rates(drive, state, torque=0.0):
+    """Return the slopes of (q, v, z), and the torque that the worm passes on."""
+    n, stores = drive.coordinates, drive.stores
+    q, v, z = np.split(np.asarray(state, float), [n, 2 * n])
+    numbers = np.array([number.value for number in drive.numbers])
+    force, slope, load = np.zeros(n), np.zeros(stores), np.zeros(8)
+    still, inertia = np.zeros(n), np.zeros((n, n))
+    train.forces.py_func(
+        q, v, z, np.array([torque]), numbers, still, force, slope, load, np.zeros(8)
+    )
+    train.masses.py_func(q, v, numbers, inertia)
+    return np.concatenate((v, np.linalg.solve(inertia, force), slope)), load[0]
+
+
+def _matrix(drive):
+    size = 2 * drive.coordinates + drive.stores
+    return np.array([_rates(drive, row)[0] for row in np.eye(size)]).T
+
+
+def test_the_story_shares_no_code_with_the_toolkit():
+    for module in (train, leg, recording):
+        tree = ast.parse(Path(module.__file__).read_text("utf-8"))
+        names = {node.module for node in ast.walk(tree) if hasattr(node, "module")}
+        names |= {
+            alias.name
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Import)
+            for alias in node.names
+        }
+        roots = {name.split(".")[0] for name in names if name}
+        assert not roots & {"bondgraph", "flegx_models"}
+
+
+def test_the_concealed_friction_is_that_of_the_tuned_zeros():
+    worm = identified_friction().worm
+    assert pytest.approx(friction_per_load(worm), rel=0.01) == leg.FRICTION_PER_LOAD
+    assert pytest.approx(worm.constant, rel=0.01) == leg.CONSTANT_FRICTION
+    for joint, test in zip(JOINTS, tuning_tests(), strict=True):
+        assert joint.model == test.model
+        assert joint.load == pytest.approx(test.load, rel=0.01)
+
+
+@pytest.mark.parametrize("joint", JOINTS, ids=lambda joint: joint.model)
+def test_the_link_rings_between_the_drive_and_what_it_carries(joint):
+    drive = machine(joint, Concealed(link=True))
+    near = leg.MOTOR_SIDE + joint.inertia
+    expected = math.sqrt(leg.LINK * (1 / near + 1 / joint.behind))
+    found = np.abs(np.linalg.eigvals(_matrix(drive)).imag).max()
+    assert found == pytest.approx(expected, rel=0.01)  # damped: a little lower
+
+
+def test_the_filter_passes_a_quarter_of_the_power_at_its_cut_off():
+    drive = machine(KNEE_IN_STANCE, Concealed(filter=True))
+    a = _matrix(drive)[-4:]
+    from_joint, own = a[:, 0], a[:, -4:]
+    for omega, gain in ((1e-3, 1.0), (leg.CUT_OFF, 0.5)):
+        answer = np.linalg.solve(1j * omega * np.eye(4) - own, from_joint)
+        assert abs(answer[2]) == pytest.approx(gain, rel=1e-3)
+
+
+@pytest.mark.parametrize("concealed", [*ALONE, ALL], ids=lambda one: one.name)
+def test_the_worm_at_rest_carries_the_weight(concealed):
+    drive = machine(KNEE_IN_STANCE, concealed)
+    slopes, load = _rates(drive, np.zeros(2 * drive.coordinates + drive.stores))
+    assert not slopes.any()
+    assert train.WORM * load == pytest.approx(KNEE_IN_STANCE.load)
+
+
+def test_dry_friction_moves_the_zero_and_not_the_loop():
+    test = tuning_tests()[2]
+    graph = getattr(models, test.model)().finish()
+    mesh = InsertElement("worm", R("mesh", law=sympy.Integer(0) * f + f))
+    dry = 8.85  # N·m at the joint
+    speed = speed_of_the_test(test.model)
+    assert speed == test.speed
+    plant = plant_of(
+        rubbed(mesh.apply(graph), "mesh", dry / train.WORM, train.WORM * speed)
+    )
+    zero = (test.viscous + 4 * dry / (math.pi * speed)) / test.inertia
+    assert friction_pole(plant) == pytest.approx(zero, rel=1e-3)
+    printed = designed(test.model, plant_of(graph), filtered=True)
+    found = designed(test.model, plant, filtered=True)
+    assert found.controller.value("zero") == pytest.approx(zero, rel=1e-3)
+    assert found.measures.crossover == pytest.approx(printed.measures.crossover)
+
+
+def test_an_answer_is_taken_to_the_controller(tmp_path):
+    size = Parameter(name="dry", value=0.035, unit="N*m", std=None)
+    law = sympy.Symbol("dry") * sympy.sign(f)
+    inserted = InsertElement("motor", R("rub", law=law), (size,))
+    found = inserted.apply(models.lowerleg_stance().finish())
+    finding = {
+        "physics": "coulomb_friction",
+        "place": "motor",
+        "element": "rub",
+        "parameters": {"dry": {"value": 0.035}},
+    }
+    told = {
+        "verdict": "physics_missing",
+        "findings": [finding],
+        "model": to_python(found),
+    }
+    answer = tmp_path / "lowerleg_stance_worm.json"
+    answer.write_text(json.dumps(told), "utf-8")
+    assert said(answer).endswith("physics_missing: coulomb_friction at motor")
+    # 0.035 N·m · 251.42 = 8.80 N·m, and z = (c + 4F/(πV))/J as above
+    assert "F = 8.80 N·m at the joint; zero at 2.90 rad/s" in shaped(answer)
