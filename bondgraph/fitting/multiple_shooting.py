@@ -66,7 +66,10 @@ def shoot_multiply(
     longest = max(int(size) for size in np.diff(problem.shots.edges))
     short = cut_finer(problem.shots, max(longest // strategy.windows, 2))
     cut = held_weakly(replace(problem, shots=short), theta)
-    states, at = settle(cut, theta, first_guess(cut, theta), SETTLES)
+    origin = np.zeros((short.n_windows, problem.model.n_states))
+    if problem.model.set_valued is not None:
+        origin = first_guess(cut, theta)
+    states, at = settle(cut, theta, origin, SETTLES)
     scale = np.std(at.states, axis=0)
     joined = _join(cut, problem.shots, np.where(scale > 0.0, scale, 1.0))
     here = _point(joined, theta, states)
