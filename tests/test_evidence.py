@@ -9,7 +9,6 @@ from scipy import stats
 from scipy.signal import lfilter
 
 from bondgraph import BondGraph, C, R, Recording, Sf, bind_to
-from bondgraph.diagnosis.answer.found import shares_beside_earlier
 from bondgraph.diagnosis.evidence import left_out
 from bondgraph.diagnosis.evidence.confidence import winning_shares
 from bondgraph.diagnosis.evidence.decision import (
@@ -22,7 +21,7 @@ from bondgraph.diagnosis.evidence.decision import (
     judge,
     probability,
 )
-from bondgraph.diagnosis.evidence.gain import Gain, compare
+from bondgraph.diagnosis.evidence.gain import Gain, beside_earlier, compare
 from bondgraph.diagnosis.evidence.judging import decide
 from bondgraph.diagnosis.evidence.left_out import (
     FOLDS,
@@ -326,15 +325,11 @@ def test_what_loses_whole_recordings_is_refuted_and_the_next_is_told():
     assert nothing.probability is None
 
 
-def _found(gain):
-    return SimpleNamespace(chosen=SimpleNamespace(gain=SimpleNamespace(value=gain)))
-
-
 def test_a_later_finding_counts_by_what_it_explains_beside_the_earlier():
-    first, second = shares_beside_earlier([_found(0.9), _found(0.5)])
+    first, second = beside_earlier([0.9, 0.5])
     assert first == 1.0
     assert second == pytest.approx(0.05 / (0.05 + 0.01 * 0.9))
-    _, little = shares_beside_earlier([_found(0.994), _found(0.45)])
+    _, little = beside_earlier([0.994, 0.45])
     assert little == pytest.approx(0.0027 / (0.0027 + 0.01 * 0.994))
 
 

@@ -12,16 +12,12 @@ from bondgraph.diagnosis.evidence.decision import (
     alternatives_to,
     clearly_better,
 )
+from bondgraph.diagnosis.evidence.gain import MERE_SHAPE, beside_earlier
 from bondgraph.diagnosis.records import Evidence, Finding, Support
 from bondgraph.diagnosis.search.rounds import Options, Round
 from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.spread import changes, spread
-
-SHAPE = 0.01
-"""So much of what earlier findings explain may be the shape of their laws: no law of a
-library is exact.
-"""
 
 MENDS_SHAPE = (
     " It takes away little beside what was found before, and may only mend its shape."
@@ -36,7 +32,8 @@ def findings_of(
 ) -> tuple[list[Finding], dict[str, Sequence[Judged]]]:
     """Return the findings, and for each element what the data do not tell from it."""
     findings: list[Finding] = []
-    shares = shares_beside_earlier(accepted)
+    gains = [one.chosen.gain.value for one in accepted if one.chosen is not None]
+    shares = beside_earlier(gains)
     others: dict[str, Sequence[Judged]] = {}
     for found, share in zip(accepted, shares, strict=True):
         chosen = found.chosen
@@ -53,7 +50,7 @@ def findings_of(
                 place=chosen.place,
                 element=hypothesis.element,
                 statement=finding_statement(chosen, places, close, estimates)
-                + (MENDS_SHAPE if share < 0.5 else ""),
+                + (MENDS_SHAPE if share < MERE_SHAPE else ""),
                 law=str(hypothesis.law),
                 indistinguishable_places=places,
                 alternatives=(
@@ -68,21 +65,6 @@ def findings_of(
         )
         others[hypothesis.element] = close
     return findings, others
-
-
-def shares_beside_earlier(accepted: Sequence[Round]) -> list[float]:
-    """Return for each finding how far it is more than the shape of earlier ones.
-
-    What it explains over that and `SHAPE` of what they do, all of the first model's
-    left-out error.
-    """
-    shares, left = [], 1.0
-    for found in accepted:
-        assert found.chosen is not None
-        own = max(left * found.chosen.gain.value, 1e-12)
-        shares.append(own / (own + SHAPE * (1.0 - left)))
-        left -= own
-    return shares
 
 
 def _shown(judged: Judged, held_out: Sequence[BoundRecording]) -> Evidence:

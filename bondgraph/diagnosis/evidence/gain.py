@@ -8,6 +8,7 @@ which needs no long recording where errors change slowly.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,13 @@ from scipy.special import stdtr
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 
 Array = NDArray[np.float64]
+SHAPE = 0.01
+"""So much of what earlier findings explain may be the shape of their laws: no law of a
+library is exact.
+"""
+
+MERE_SHAPE = 0.5
+"""A finding of which less than this share is more than shape ends the search."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +61,25 @@ def compare(before: LeftOutErrors, after: LeftOutErrors) -> Gain:
     if before.surprise.size:
         tests.append(_above_zero(before.surprise - after.surprise))
     return Gain(float(value), std, min(len(tests) * min(tests), 1.0))
+
+
+def beside_earlier(gains: Sequence[float]) -> list[float]:
+    """Return for each finding how far it is more than the shape of earlier ones.
+
+    What it explains over that and `SHAPE` of what they do, all of the first model's
+    left-out error.
+
+    Parameters
+    ----------
+    gains
+        Of each finding over the model before it.
+    """
+    shares, left = [], 1.0
+    for gain in gains:
+        own = max(left * gain, 1e-12)
+        shares.append(own / (own + SHAPE * (1.0 - left)))
+        left -= own
+    return shares
 
 
 def _log_ratios(before: Array, after: Array) -> Array:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from bondgraph.diagnosis.answer.showing import simulate_whole
 from bondgraph.diagnosis.evidence.decision import Judged, Rule
+from bondgraph.diagnosis.evidence.gain import MERE_SHAPE, beside_earlier
 from bondgraph.diagnosis.evidence.judging import judge_all
 from bondgraph.diagnosis.evidence.left_out import MOST_CHUNKS
 from bondgraph.diagnosis.search.bench import Bench
@@ -100,7 +101,7 @@ class Options:
     library: tuple[AbstractPhysics, ...] = LIBRARY
     fitted: int = 24
     judged: int = 10
-    most_findings: int = 3
+    most_findings: int = 5
     where: Where = field(default_factory=Here)
     resume: Path | None = None
     either_hold: bool = False
@@ -155,6 +156,7 @@ def search(
         within it is not searched for physics.
     """
     rounds: list[Round] = []
+    gains: list[float] = []
     current = base
     added: tuple[Hypothesis, ...] = ()
     while True:
@@ -179,6 +181,9 @@ def search(
         now = current.problem
         if (now.solver, now.hold) != (base.problem.solver, base.problem.hold):
             base = simulated_as(base, now.solver, now.hold)
+        gains.append(found.chosen.gain.value)
+        if beside_earlier(gains)[-1] < MERE_SHAPE:
+            return [*rounds, Round(current)]
 
 
 def within(fitted: FittedModel, noise: Array, rule: Rule) -> bool:
