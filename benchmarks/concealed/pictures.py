@@ -64,7 +64,7 @@ def _power(axes: Any, numbers: Mapping[str, Any]) -> None:
     axes.set_xlabel("residual of the best base model, over the noise")
     axes.set_ylabel("share of cases")
     axes.set_ylim(-0.03, 1.03)
-    axes.legend(frameon=False)
+    axes.legend(frameon=False, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
 
 
 def _reliability(axes: Any, numbers: Mapping[str, Any]) -> None:
@@ -83,7 +83,7 @@ def _reliability(axes: Any, numbers: Mapping[str, Any]) -> None:
     axes.set_ylabel("share that is right")
     axes.set_xlim(-0.02, 1.02)
     axes.set_ylim(-0.02, 1.02)
-    axes.legend(frameon=False, loc="upper left")
+    axes.legend(frameon=False, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
 
 
 def _confusion(axes: Any, numbers: Mapping[str, Any]) -> None:
