@@ -129,28 +129,30 @@ def test_nothing_gives_an_effort() -> None:
     assert error.remedy == "Put a source, a storage or an R on 'j'."
 
 
-def test_of_a_long_chain_the_ends_are_told() -> None:
+def flows_at_both_ends(junctions: int) -> BondGraph:
+    """Return a chain of transformers that two sources of flow fight over."""
     graph = BondGraph("clash")
-    for i in range(8):
+    for i in range(junctions):
         graph.one(f"j{i}")
-    for i in range(7):
+    for i in range(junctions - 1):
         graph.join(f"j{i}", TF(f"n{i}"), f"j{i + 1}")
     graph.put(Sf("a"), on="j0")
-    graph.put(Sf("b"), on="j7")
-    reasons = refused(graph).problem.split("This follows from: ")[1].split("; ")
+    graph.put(Sf("b"), on=f"j{junctions - 1}")
+    return graph
+
+
+def reasons_of(graph: BondGraph) -> list[str]:
+    return refused(graph).problem.split("This follows from: ")[1].split("; ")
+
+
+def test_of_a_long_chain_the_ends_are_told() -> None:
+    reasons = reasons_of(flows_at_both_ends(8))
     assert len(reasons) == 13
     assert reasons[6] == "…"
     assert reasons[:2] == ["Sf 'a' imposes its flow", "Sf 'b' imposes its flow"]
     assert reasons[-1] == "1-junction 'j4' has its flow from 'n4'."
     # Twelve reasons and no more are told in full.
-    graph = BondGraph("clash")
-    for i in range(6):
-        graph.one(f"j{i}")
-    for i in range(5):
-        graph.join(f"j{i}", TF(f"n{i}"), f"j{i + 1}")
-    graph.put(Sf("a"), on="j0")
-    graph.put(Sf("b"), on="j5")
-    reasons = refused(graph).problem.split("This follows from: ")[1].split("; ")
+    reasons = reasons_of(flows_at_both_ends(6))
     assert len(reasons) == 12
     assert "…" not in reasons
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from concealed import cart
+from carts import free_cart, recorded
 
 from bondgraph import BondGraph, C, I, R, Se, displacement, f, q
 from bondgraph.diagnosis.diagnose import Options, diagnose
@@ -16,9 +16,8 @@ from bondgraph.diagnosis.records import Support, Verdict
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import prepare
 from bondgraph.loading import load_model
-from bondgraph.recordings.binding import bind, read_bound
+from bondgraph.recordings.binding import read_bound
 from bondgraph.recordings.model_channels import read_for
-from bondgraph.recordings.recording import Recording
 from bondgraph.recordings.windows import split
 
 ROOT = Path(__file__).parent.parent
@@ -31,16 +30,6 @@ real = pytest.mark.skipif(
 )
 
 
-def free_cart():
-    """Nominal values 20 % off, as in life."""
-    graph = BondGraph("cart", domain="translation")
-    graph.one("wheel", Se("force"), I("mass"), R("viscous"))
-    graph.measure("position", displacement="wheel")
-    graph.parameter("mass", 1.05, "kg", bounds=(0.01, 100))
-    graph.parameter("viscous", 2.4, "N*s/m", bounds=(0, 100))
-    return graph.finish()
-
-
 def sprung_cart():
     graph = BondGraph("sprung cart", domain="translation")
     graph.one("wheel", Se("force"), I("mass"), R("viscous"), C("spring", law=40.0 * q))
@@ -48,13 +37,6 @@ def sprung_cart():
     graph.parameter("mass", 1.05, "kg", bounds=(0.01, 100))
     graph.parameter("viscous", 2.4, "N*s/m", bounds=(0, 100))
     return graph.finish()
-
-
-def recorded(seed, **concealed):
-    time, force, position = cart(seed, **concealed)
-    channels = {"force": (force, "N"), "position": (position, "m")}
-    recording = Recording.from_arrays(f"cart {seed}", time, channels)
-    return bind(recording, {"force": "N"}, {"position": "m"})
 
 
 def diagnosed(graph, **concealed):

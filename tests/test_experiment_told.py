@@ -2,14 +2,16 @@
 
 import json
 from dataclasses import replace
+from functools import partial
 
+import carts
 import numpy as np
 import pytest
-from concealed import cart
+from carts import free_cart
 from handmade_diagnosis import cart_diagnosis
 from test_experiment import alternatives
 
-from bondgraph import BondGraph, I, R, Recording, Se, read_recording
+from bondgraph import read_recording
 from bondgraph.diagnosis.answer.look_alikes import look_alikes
 from bondgraph.diagnosis.answer.separating import Rivalry, designed, left_close
 from bondgraph.diagnosis.diagnose import Options, diagnose
@@ -23,7 +25,6 @@ from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.fitting.horizon import Windows
 from bondgraph.loading import load_model
 from bondgraph.physics.library import LIBRARY
-from bondgraph.recordings.binding import bind
 from bondgraph.reporting.diagnosis_json import diagnosis_to_dict
 from bondgraph.reporting.model_text import to_python
 from bondgraph.reporting.report import report_html
@@ -31,25 +32,12 @@ from bondgraph.reporting.report import report_html
 NAMES = ("Coulomb (dry) friction at wheel", "quadratic drag at wheel")
 
 
+recorded = partial(carts.recorded, duration=6.0)
+
+
 def rivalry():
     fits, recordings = alternatives()
     return Rivalry(names=NAMES, models=tuple(fits)), recordings
-
-
-def cart_graph():
-    graph = BondGraph("cart", domain="translation")
-    graph.one("wheel", Se("force"), I("mass"), R("viscous"))
-    graph.measure("position", displacement="wheel")
-    graph.parameter("mass", 1.05, "kg", bounds=(0.01, 100))
-    graph.parameter("viscous", 2.4, "N*s/m", bounds=(0, 100))
-    return graph.finish()
-
-
-def recorded(seed, **concealed):
-    time, force, position = cart(seed, duration=6.0, **concealed)
-    channels = {"force": (force, "N"), "position": (position, "m")}
-    recording = Recording.from_arrays(f"cart {seed}", time, channels)
-    return bind(recording, {"force": "N"}, {"position": "m"})
 
 
 def judged(fitted, word, support, gain):
@@ -111,7 +99,7 @@ def test_a_table_of_operating_points_has_no_signal_to_design():
 
 def test_undecided_laws_are_separated_from_nothing_more():
     settings = FitSettings(horizon=Windows(200))
-    base = fit_model(cart_graph(), [recorded(3)], settings)
+    base = fit_model(free_cart(), [recorded(3)], settings)
     first = Round(
         base,
         judged=(
@@ -132,7 +120,7 @@ def test_undecided_laws_are_separated_from_nothing_more():
 def test_places_that_free_signals_do_not_tell_apart_are_named_beside_a_finding():
     (finding,) = cart_diagnosis().findings
     recording = recorded(3)
-    base = fit_model(cart_graph(), [recording], FitSettings(horizon=Windows(200)))
+    base = fit_model(free_cart(), [recording], FitSettings(horizon=Windows(200)))
     (note,) = look_alikes([replace(finding, place="wheel")], base, [recording])
     assert note == (
         "Before any law: free signals at wheel, force and position look alike to these "
@@ -146,7 +134,7 @@ def test_the_improved_model_as_text_runs_and_is_adequate(tmp_path):
     friction = tuple(p for p in LIBRARY if p.word == "coulomb_friction")
     training, held_out = recorded(1, coulomb=1.0), recorded(2, coulomb=1.0)
     found = diagnose(
-        cart_graph(),
+        free_cart(),
         [training],
         held_out=[held_out],
         options=Options(library=friction),

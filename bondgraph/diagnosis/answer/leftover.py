@@ -12,6 +12,7 @@ from bondgraph.diagnosis.virtual.noise import output_noise
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.noise import NoiseEstimate, estimate_noise
+from bondgraph.recordings.spread import spread
 
 Array = NDArray[np.float64]
 
@@ -63,7 +64,7 @@ def residual_over_noise(
 def residual_over_spread(fitted: FittedModel) -> dict[str, float]:
     """Return per output the residual over the standard deviation of what was read."""
     rms = np.sqrt(np.nanmean(fitted.residuals() ** 2, axis=0))
-    spread = np.nanstd(fitted.problem.shots.outputs, axis=0)
-    shares = rms / np.where(spread > 0.0, spread, np.inf)
+    moved = spread(fitted.problem.shots.outputs)
+    shares = rms / np.where(moved > 0.0, moved, np.inf)
     names = fitted.problem.model.output_names
     return dict(zip(names, map(float, shares), strict=True))

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bondgraph.diagnosis.answer.wording import listed
 from bondgraph.diagnosis.records import Finding
 from bondgraph.diagnosis.separability.records import SensorProposal, Separability
 from bondgraph.diagnosis.separability.separability import separability
@@ -43,8 +44,9 @@ def look_alikes(
         if finding.place in told.places and len(told.class_of(finding.place)) > 1
     ]
     if told.undetectable:
+        unseen = listed(told.undetectable, "and")
         notes.append(
-            f"No sensor would show what is missing at {_and(told.undetectable)}: a "
+            f"No sensor would show what is missing at {unseen}: a "
             "free signal there disturbs nothing that these sensors check."
         )
     return tuple(dict.fromkeys(notes))
@@ -57,26 +59,13 @@ def _alike(told: Separability, members: Sequence[str]) -> str:
         if best is None
         else _sensor_words(best)
     )
+    places = listed(members, "and")
     return (
-        f"Before any law: free signals at {_and(members)} look alike to these "
+        f"Before any law: free signals at {places} look alike to these "
         f"sensors; {sensor}"
     )
 
 
 def _sensor_words(best: SensorProposal) -> str:
-    parts = " from ".join(_or(part) for part in best.into)
+    parts = " from ".join(listed(part) for part in best.into)
     return f"measuring the {best.quantity} at {best.place} would tell {parts}."
-
-
-def _and(names: Sequence[str]) -> str:
-    return _joined(names, "and")
-
-
-def _or(names: Sequence[str]) -> str:
-    return _joined(names, "or")
-
-
-def _joined(names: Sequence[str], word: str) -> str:
-    if len(names) == 1:
-        return names[0]
-    return f"{', '.join(names[:-1])} {word} {names[-1]}"

@@ -13,7 +13,7 @@ from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.records import Comparison, Finding, Support, Verdict
 from bondgraph.diagnosis.search.candidates import CURVE
-from bondgraph.diagnosis.search.rounds import Round
+from bondgraph.diagnosis.search.rounds import SAME, Round
 from bondgraph.fitting.estimate import FittedModel
 
 NOTHING = (AdequacyStatus.ADEQUATE, AdequacyStatus.COLOURED)
@@ -34,9 +34,9 @@ ERRORS = 2.0
 MANY = 1000
 """Beyond it, how many times the noise says more of the noise than of the model."""
 
-SAME, SPOILT = 1.02, 1.2
-"""Held-out errors within the first factor are the same; beyond the second, what was
-found is not the cause, whatever the training recordings say.
+SPOILT = 1.2
+"""Where held-out errors grow by more than this factor, what was found is not the cause,
+whatever the training recordings say.
 """
 
 ADEQUATE_RATIO = 3.0

@@ -66,12 +66,12 @@ def finding_statement(
         )
     text = f"{opening} ({numbers})." if numbers else f"{opening.rstrip('.')}."
     if places:
-        text += f" These recordings do not tell {chosen.place} from {_or(places)}."
+        text += f" These recordings do not tell {chosen.place} from {listed(places)}."
     other_laws = dict.fromkeys(
         name_of(j.physics) for j in others if j.physics != chosen.physics
     )
     if other_laws:
-        text += f" It cannot be told apart here from {_or(tuple(other_laws))}."
+        text += f" It cannot be told apart here from {listed(tuple(other_laws))}."
     if chosen.gain.value < WEAK:
         text += (
             f" It is weak: it explains {100 * chosen.gain.value:.0f} % of the error."
@@ -83,10 +83,11 @@ def _capital(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def _or(names: Sequence[str]) -> str:
+def listed(names: Sequence[str], word: str = "or") -> str:
+    """Return names as a sentence lists them, `word` before the last."""
     if len(names) == 1:
         return names[0]
-    return f"{', '.join(names[:-1])} or {names[-1]}"
+    return f"{', '.join(names[:-1])} {word} {names[-1]}"
 
 
 def next_experiment(
@@ -118,7 +119,7 @@ def _separate_places(alike: Sequence[str], base: FittedModel) -> str:
     sensors = [name for name in alike if not base.graph.has_place(name)]
     if sensors:
         return (
-            f"To tell {' and '.join(alike)} apart, compare {_or(sensors)} with a "
+            f"To tell {' and '.join(alike)} apart, compare {listed(sensors)} with a "
             "reference that is known to read right."
         )
     effort = base.graph.domain_at(alike[0]).effort

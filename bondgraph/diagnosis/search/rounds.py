@@ -61,7 +61,7 @@ Array = NDArray[np.float64]
 SAME = 1.02
 """Errors within this factor are the same."""
 
-LOST = 2.0
+RUINED = 2.0
 """A law with which whole recordings are simulated so many times worse is not the one:
 it fits by states that one has to know, a runaway of its own for instance.
 """
@@ -280,7 +280,7 @@ def _one_round(
 
     def holds(candidate: Candidate) -> bool:
         after = simulate_whole(candidate.fitted, recordings).score.nrmse
-        return not after > LOST * before
+        return not after > RUINED * before
 
     verdicts = judge_all(bench, worth, screened.independent, options.rule, noise, holds)
     return Round(
