@@ -1,6 +1,9 @@
 """The outside of the repository: what the README promises, and what CI runs."""
 
+import os
 import re
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -64,3 +67,22 @@ def test_constraints_pin_every_package_that_is_declared():
     declared = {Requirement(text).name for text in texts} - {project["name"]}
     assert len(declared) > 15
     assert declared <= {pin.name for pin in pins}
+
+
+def test_what_a_former_install_has_left_does_not_hide_the_package(tmp_path):
+    # pip leaves the loops that were compiled, in folders without an __init__.py.
+    (tmp_path / "bondgraph" / "numeric" / "__pycache__").mkdir(parents=True)
+    told = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "import bondgraph.numeric.model as m; print(m.__file__)",
+        ],
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert told.returncode == 0, told.stderr
+    assert "model.py" in told.stdout
