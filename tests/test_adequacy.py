@@ -56,13 +56,13 @@ def motion(seed, *, sprung, bent=0.0):
     return force, position
 
 
-def answered(force, position, *, sprung, seed=0):
+def answered(force, position, *, sprung, seed=0, draws=199, level=0.01):
     graph = cart(sprung=sprung)
     channels = {"force": (force, "N"), "position": (position, "m")}
     recording = bind_to(graph, Recording.from_arrays("cart", TIME, channels))
     horizon = WholeRecordings() if sprung else Windows(100)
     fitted = fit_model(graph, [recording], FitSettings(horizon=horizon))
-    return adequacy(fitted, [recording], seed=seed, draws=199, level=0.01)
+    return adequacy(fitted, [recording], seed=seed, draws=draws, level=level)
 
 
 @pytest.mark.parametrize("sprung", [True, False])
@@ -73,16 +73,17 @@ def test_coloured_noise_on_a_perfect_model_is_no_discovery(sprung):
         random = np.random.default_rng(seed)
         white = random.standard_normal((2, len(TIME)))
         slow = 2e-3 * np.sqrt(1 - 0.95**2) * lfilter([1], [1, -0.95], white[0])
+        measured = position + slow + 1e-4 * white[1]
         answer = answered(
-            force, position + slow + 1e-4 * white[1], sprung=sprung, seed=seed
+            force, measured, sprung=sprung, seed=seed, draws=99, level=0.02
         )
         p_values.append(answer.p_value)
-        if answer.p_value > 0.01:
+        if answer.p_value > 0.02:
             assert answer.status is AdequacyStatus.COLOURED
             assert "correlates" in " ".join(answer.reasons)
-    # Of 20 draws of a uniform p-value, more than 2 below 0.01 have chance 0.001; more
+    # Of 20 draws of a uniform p-value, more than 2 below 0.02 have chance 0.007; more
     # than 5 below 0.1 have chance 0.01.
-    assert np.sum(np.array(p_values) <= 0.01) <= 2
+    assert np.sum(np.array(p_values) <= 0.02) <= 2
     assert np.sum(np.array(p_values) <= 0.1) <= 5
 
 
@@ -106,7 +107,7 @@ def test_a_coarse_encoder_on_a_perfect_model_is_no_discovery():
     for seed in range(6):
         step = 2e-3 * (1 + 0.1 * seed)
         read = np.rint(position / step) * step
-        answer = answered(force, read, sprung=False, seed=seed)
+        answer = answered(force, read, sprung=False, seed=seed, draws=99)
         assert answer.output("position").quantisation == pytest.approx(step, rel=1e-3)
         p_values.append(answer.p_value)
     assert min(p_values) > 0.01
