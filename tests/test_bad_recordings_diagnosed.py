@@ -4,9 +4,11 @@ The oscillator is stepped by its exact solution; only then is its recording spoi
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from physics_machines import two_tanks
 from scipy.linalg import expm
 
 from bondgraph import BondGraph, C, I, R, Se
@@ -70,22 +72,29 @@ def diagnosed(channel: str, spoil: Spoil):
 
 
 @pytest.mark.parametrize(
-    ("channel", "spoil", "physics", "value"),
+    ("channel", "spoil", "physics", "number", "value"),
     [
-        ("velocity", lambda v: -v, "sensor_scale", -1.0),
-        ("position", lambda x: x / 1000, "sensor_scale", 1e-3),
-        ("velocity", lambda v: v + 0.3, "sensor_bias", 0.3),
+        ("velocity", lambda v: -v, "sensor_scale", "sensor_scale", -1.0),
+        ("position", lambda x: x / 1000, "sensor_scale", "sensor_scale", 1e-3),
+        ("velocity", lambda v: v + 0.3, "sensor_bias", "sensor_bias", 0.3),
+        (
+            "position",
+            lambda x: np.maximum(x, -0.19),
+            "sensor_nonlinearity",
+            "sensor_lower_limit",
+            -0.19,
+        ),
     ],
-    ids=["wrong sign", "wrong unit", "wrong zero"],
+    ids=["wrong sign", "wrong unit", "wrong zero", "saturated"],
 )
 def test_what_a_sensor_gets_wrong_is_found_at_that_sensor(
-    channel, spoil, physics, value
+    channel, spoil, physics, number, value
 ):
     diagnosis = diagnosed(channel, spoil)
     assert diagnosis.verdict is Verdict.PHYSICS_MISSING, diagnosis.statement
     (finding,) = diagnosis.findings
     assert (finding.physics, finding.place) == (physics, channel)
-    estimate = diagnosis.fit_after.estimate(f"{physics}_{channel}")
+    estimate = diagnosis.fit_after.estimate(f"{number}_{channel}")
     assert estimate.value == pytest.approx(value, rel=3e-3)
     # What the slip hid is found as well: the machine's own parameters.
     assert diagnosis.fit_after.estimate("mass").value == pytest.approx(MASS, rel=0.01)
@@ -112,6 +121,45 @@ def test_what_was_recorded_wrong_of_an_input_is_found_at_that_input(
     improved = diagnosis.fit_after
     assert improved.model.parameters["input_scale_force"].value == factor
     assert improved.estimate("mass").value == pytest.approx(MASS, rel=0.01)
+
+
+def levels(seed: int, names: tuple[str, str]) -> BoundRecording:
+    """Return the levels of two tanks, the upper one under the first name."""
+    rng = np.random.default_rng(seed)
+    inflow = np.repeat(rng.uniform(0, 2, COUNT // 20), 20)
+    rates = np.zeros((3, 3))
+    rates[0] = [-1.0, 1.0, 2.0]
+    rates[1] = [1.0, -2.0, 0.0]
+    over_a_step = expm(rates * 0.1)
+    states = np.ones((COUNT, 2))
+    for k in range(COUNT - 1):
+        states[k + 1] = over_a_step[:2, :2] @ states[k] + over_a_step[:2, 2] * inflow[k]
+    states += 5e-3 * rng.standard_normal(states.shape)
+    channels = {"pump": (inflow, "m^3/s")}
+    channels |= {name: (states[:, i], "Pa") for i, name in enumerate(names)}
+    recording = Recording.from_arrays(f"run {seed}", 0.1 * np.arange(COUNT), channels)
+    return bind(recording, {"pump": "m^3/s"}, dict.fromkeys(sorted(names), "Pa"))
+
+
+def test_readings_of_one_unit_that_were_swapped_are_told_as_that():
+    graph = two_tanks()
+    names = ("area_1", "area_2", "laminar", "drain")
+    free = [replace(graph.parameters[n], std=None, bounds=(0.01, 100)) for n in names]
+    swapped = ("pressure_2", "pressure_1")
+    training, held_out = (levels(seed, swapped) for seed in (1, 2))
+    options = Options(settings=FitSettings(hold=Hold.ZERO))
+    diagnosis = diagnose(
+        graph.with_parameters(free), [training], held_out=[held_out], options=options
+    )
+    assert diagnosis.verdict is Verdict.PHYSICS_MISSING, diagnosis.statement
+    assert diagnosis.statement == (
+        "Sensor swap at pressure_1 was left out: pressure_1 and pressure_2 are "
+        "swapped, each reads what the other should."
+    )
+    for name, value in zip(names, (0.5, 0.5, 2.0, 2.0), strict=True):
+        assert diagnosis.fit_after.estimate(name).value == pytest.approx(
+            value, rel=0.02
+        )
 
 
 @pytest.mark.parametrize("value", [0.0, 0.37])

@@ -155,6 +155,7 @@ def test_entries_that_carry_no_power_say_so():
         "sensor_scale",
         "sensor_bias",
         "sensor_nonlinearity",
+        "sensor_swap",
         "input_scale",
         "lag",
         "delay",

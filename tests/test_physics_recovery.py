@@ -238,6 +238,7 @@ def test_its_parameters_are_found_again(case):
         assert found[name] == pytest.approx(value, rel=0.05), (found, best.score)
 
 
-def test_every_entry_is_tried_here_or_is_a_free_curve():
+def test_every_entry_is_tried_here_or_is_a_free_curve_or_has_no_parameters():
     tried = {case.entry for case in CASES}
-    assert {type(p).__name__ for p in LIBRARY} - tried == {"UnknownRelation"}
+    rest = {type(p).__name__ for p in LIBRARY} - tried
+    assert rest == {"UnknownRelation", "SensorSwap"}

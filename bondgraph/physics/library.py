@@ -33,6 +33,7 @@ from bondgraph.physics.ratio import Eccentricity
 from bondgraph.physics.sensing import SensorBias, SensorNonlinearity, SensorScale
 from bondgraph.physics.thermal import Radiation, TemperatureDependentResistance
 from bondgraph.physics.unknown import UnknownRelation
+from bondgraph.physics.wiring import SensorSwap
 
 LIBRARY: tuple[AbstractPhysics, ...] = (
     ViscousFriction(),
@@ -68,6 +69,7 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     SpeedLimit(),
     SensorBias(),
     SensorScale(),
+    SensorSwap(),
     InputScale(),
     Lag(),
     Delay(),

@@ -79,8 +79,9 @@ def _law(physics: AbstractPhysics, shown: Play, scene: Scene) -> Iterator[str]:
     if written.letters:
         said = ", ".join(f"${x}$ is {words}" for x, words in written.letters.items())
         yield f"{said[0].upper() if said[0] != '$' else said[0]}{said[1:]}.\n"
-    yield "| Parameter | In the example | Bounds | In a fit |"
-    yield "| --- | --- | --- | --- |"
+    if shown.hypothesis.edit.parameters:
+        yield "| Parameter | In the example | Bounds | In a fit |"
+        yield "| --- | --- | --- | --- |"
     for parameter in shown.hypothesis.edit.parameters:
         value = shown.complete.parameters[parameter.name].value
         stem = parameter.name.removesuffix(f"_{scene.place}")

@@ -123,6 +123,23 @@ def draining_tank() -> FinishedGraph:
     return graph.finish()
 
 
+def two_tanks() -> FinishedGraph:
+    """Return a tank that is filled, and another that it drains into."""
+    graph = BondGraph("two tanks", domain="hydraulic")
+    graph.zero("upper", Sf("inflow"), C("upper_area"))
+    graph.one("pipe", R("friction"))
+    graph.zero("lower", C("lower_area"), R("outlet"))
+    graph.join("upper", "pipe")
+    graph.join("pipe", "lower")
+    graph.parameter("upper_area", 0.5, "m^3/Pa", std=0.0)
+    graph.parameter("friction", 2.0, "Pa*s/m^3", std=0.0)
+    graph.parameter("lower_area", 0.5, "m^3/Pa", std=0.0)
+    graph.parameter("outlet", 2.0, "Pa*s/m^3", std=0.0)
+    graph.measure("upper_pressure", effort="upper")
+    graph.measure("lower_pressure", effort="lower")
+    return graph.finish()
+
+
 def heated_block() -> FinishedGraph:
     """Return a heated block that loses heat, its temperature counted from the room."""
     graph = BondGraph("heated block", domain="thermal")
