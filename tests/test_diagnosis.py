@@ -66,7 +66,10 @@ def test_what_is_concealed_is_found_named_and_measured(
 ):
     diagnosis = diagnosed(graph(), **concealed)
     assert diagnosis.verdict is Verdict.PHYSICS_MISSING, diagnosis.statement
-    assert [(f.physics, f.place) for f in diagnosis.findings] == [(physics, "wheel")]
+    # One law and no more: dry friction is not called Stribeck's.
+    (finding,) = diagnosis.findings
+    assert (finding.physics, finding.place) == (physics, "wheel")
+    assert finding.probability > 0.9
     estimate = diagnosis.fit_after.estimate(parameter)
     assert estimate.value == pytest.approx(truth, rel=0.05)
     assert diagnosis.fit_after.estimate("mass").value == pytest.approx(1.3, rel=0.02)
@@ -111,15 +114,12 @@ def among_few(**shown):
     return diagnose(free_cart(), [training], held_out=[held_out], options=FEW)
 
 
-def test_neither_another_run_nor_what_is_held_out_changes_a_choice():
-    first, again, silly = (
-        among_few(**shown) for shown in ({"coulomb": 1.0},) * 2 + ({"spring": 30.0},)
-    )
-    for other in (again, silly):
-        assert first.candidates == other.candidates
-        assert other.statement.startswith(first.statement)
-        assert first.fit_after.estimates == other.fit_after.estimates
-    assert again.statement == first.statement
+def test_what_is_held_out_changes_no_choice():
+    """That another run changes none is said where workers and orders are changed."""
+    fair, silly = among_few(coulomb=1.0), among_few(spring=30.0)
+    assert fair.candidates == silly.candidates
+    assert silly.statement.startswith(fair.statement)
+    assert fair.fit_after.estimates == silly.fit_after.estimates
     assert "does not carry over" in silly.statement
 
 
@@ -241,7 +241,7 @@ def test_probing_adds_no_equation():
 def test_silverbox_hardens():
     graph = load_model(str(ROOT / "examples/recordings/silverbox.py"))
     recording = read_for(graph, RECORDINGS / "silverbox/multisine_1_to_9.csv")
-    training, held_out = recording.part(0, 4096), recording.part(6 * 8192, 7 * 8192)
+    training, held_out = recording.part(0, 2048), recording.part(6 * 8192, 7 * 8192)
     diagnosis = diagnose(graph, [training], held_out=[held_out])
     (finding,) = diagnosis.findings
     assert (finding.physics, finding.place) == ("hardening_spring", "mass")
