@@ -6,7 +6,7 @@ The answers follow from the equations by hand.
 import numpy as np
 import pytest
 
-from bondgraph import BondGraph, C, I, R, Se
+from bondgraph import BondGraph, C, I, R, Sdirk2, Sdirk3, Se, displacement
 from bondgraph.simulation.run import simulate_inputs
 from bondgraph.simulation.trouble import RunStatus
 
@@ -64,11 +64,47 @@ def test_what_grows_beyond_all_numbers_says_when_and_what():
     assert np.isnan(run.outputs[-1]).all()
 
 
-def test_growth_that_steps_are_too_coarse_for_shows_in_the_energy():
-    # An implicit step of many time constants calms what grows: no status tells that,
-    # and the balance of energy does.
-    run = simulate_inputs(cart(1.0, -1e4), TIME, initial={"p_mass": 1.0})
+@pytest.mark.parametrize("solver", [Sdirk2(), Sdirk3()])
+def test_growth_that_steps_are_too_coarse_for_is_told(solver):
+    # An implicit step of a hundred time constants calms what grows.
+    start = {"p_mass": 1.0}
+    run = simulate_inputs(cart(1.0, -1e4), TIME, initial=start, solver=solver)
+    assert np.abs(run.output("velocity")[1:]).max() < 1.0
+    assert run.status is RunStatus.GROWTH_NOT_FOLLOWED
+    assert "p_mass grows e-fold in 0.0001 s, and a step takes 0.01 s" in run.reason
     assert run.audit.relative > 0.5
+
+
+@pytest.mark.parametrize("viscous", [1e9, -200.0])
+def test_decay_that_is_stepped_over_and_growth_that_is_followed_are_no_trouble(viscous):
+    # Both are ten or more time constants in the 10 ms of a sample; growth has substeps.
+    solver = Sdirk2(substeps=20)
+    start = {"p_mass": 1.0}
+    time = TIME[:20]
+    run = simulate_inputs(cart(1.0, viscous), time, initial=start, solver=solver)
+    assert run.status is RunStatus.SUCCESSFUL, run.reason
+    if viscous < 0.0:
+        expected = np.exp(-viscous * time)
+        assert run.output("velocity") == pytest.approx(expected, rel=0.02)
+
+
+def latch(grip):
+    """A mass that a spring throws from the middle to one of two rests, x = ±1."""
+    x = displacement("middle")
+    graph = BondGraph("latch", domain="translation")
+    graph.one("middle", I("mass"), C("spring", law=grip * (x**3 - x)), R("viscous"))
+    graph.measure("position", displacement="middle")
+    return graph.finish().with_parameters({"mass": 1e-9, "viscous": 1.0})
+
+
+def test_a_latch_that_stays_open_is_told_and_one_that_falls_shut_is_not():
+    start = {"q_spring": 1e-3}
+    held = simulate_inputs(latch(1e4), TIME, initial=start)
+    assert abs(held.output("position")[-1]) < 0.5
+    assert held.status is RunStatus.GROWTH_NOT_FOLLOWED
+    shut = simulate_inputs(latch(50.0), TIME, initial=start)
+    assert shut.output("position")[-1] == pytest.approx(1.0, rel=1e-3)
+    assert shut.status is RunStatus.SUCCESSFUL, shut.reason
 
 
 def test_a_loop_without_a_solution_is_singular_and_names_its_unknown():

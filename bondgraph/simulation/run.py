@@ -16,6 +16,7 @@ from bondgraph.numeric.model import NumericModel, compile_model
 from bondgraph.simulation.adaptive import Adaptive, Cvode, Ida, Radau, refuse_friction
 from bondgraph.simulation.energy_audit import EnergyAudit, audit_of
 from bondgraph.simulation.events import Event, contact_events, friction_events
+from bondgraph.simulation.growth import growth_not_followed
 from bondgraph.simulation.inputs import InputFunction, Inputs, gather_inputs
 from bondgraph.simulation.shooting import Shooting, Shots, shoot
 from bondgraph.simulation.solvers import Hold, Sdirk2, Solver
@@ -195,6 +196,15 @@ class _Case:
             plain = compile_model(derive(self.graph))
             own = self.start[: plain.n_states]
             trouble = self._shoot(plain, own, solver).trouble[0] or trouble
+        if trouble is None and self.audited.model.contacts is None:
+            trouble = growth_not_followed(
+                self.audited.model,
+                self.parameters,
+                self.inputs,
+                shot.states,
+                substeps=solver.substeps,
+                own=self.audited.model.state_names[: -len(ACCOUNTS)],
+            )
         events = (*self._slips(shot), *(e for part in shot.impacts for e in part))
         return self._run(shot.states, shot.outputs, trouble, events)
 

@@ -18,6 +18,9 @@ class RunStatus(StrEnum):
     )
     OUTPUT_NOT_FINITE = "The states stayed finite, an output did not."
     SOLVER_FAILED = "The solver gave up."
+    GROWTH_NOT_FOLLOWED = (
+        "The model grows many times over within one step: no step follows that."
+    )
 
 
 REMEDIES = {
@@ -27,6 +30,9 @@ REMEDIES = {
     ),
     RunStatus.NOT_CONVERGED: "Take smaller steps, or smooth a law that jumps.",
     RunStatus.OUTPUT_NOT_FINITE: "Check where the measurement is defined.",
+    RunStatus.GROWTH_NOT_FOLLOWED: (
+        "Check the signs of the laws and parameters, or take shorter steps than that."
+    ),
     RunStatus.SOLVER_FAILED: "Loosen the tolerances, or take fixed implicit steps.",
 }
 CODES = {
