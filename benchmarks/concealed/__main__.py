@@ -1,7 +1,6 @@
 """``python -m benchmarks.concealed make | run | score | reduced | others | table``."""
 
 import argparse
-import json
 import tempfile
 import time
 from pathlib import Path
@@ -42,6 +41,7 @@ def main() -> None:
     others.add_argument("--truth", type=Path, required=True)
     others.add_argument("--out", type=Path, required=True)
     others.add_argument("--only", nargs="*", default=(), help="words in case names")
+    others.add_argument("--answers", type=Path, help="the tool's, for a row of its own")
     others.set_defaults(work=_others)
     table = commands.add_parser("table", help="print which answers count as right")
     table.set_defaults(work=_table)
@@ -97,11 +97,18 @@ def _reduced(chosen: argparse.Namespace) -> None:
 
 
 def _others(chosen: argparse.Namespace) -> None:
-    from benchmarks.concealed.others.comparing import compare, table  # noqa: PLC0415
+    from benchmarks.concealed.others.comparing import (  # noqa: PLC0415
+        compare,
+        of_the_tool,
+        table,
+    )
 
-    rows = compare(chosen.cases, chosen.truth, tuple(chosen.only))
     chosen.out.mkdir(parents=True, exist_ok=True)
-    (chosen.out / "others.json").write_text(json.dumps(rows, indent=1), "utf-8")
+    kept = chosen.out / "others.json"
+    rows = compare(chosen.cases, chosen.truth, tuple(chosen.only), kept)
+    if chosen.answers:
+        cases = {row["case"] for row in rows}
+        rows += of_the_tool(chosen.answers, chosen.truth, cases)
     (chosen.out / "others.md").write_text(table(rows) + "\n", "utf-8")
     print(table(rows))
 

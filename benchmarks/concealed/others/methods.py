@@ -1,6 +1,6 @@
 """Three methods without a graph: all terms by AIC, a Gaussian process, and SINDy."""
 
-from dataclasses import dataclass
+import warnings
 
 import numpy as np
 from scipy.signal import savgol_filter
@@ -8,6 +8,7 @@ from scipy.signal import savgol_filter
 from benchmarks.concealed.effects import Effect
 from benchmarks.concealed.machine import Array, Machine, Site
 from benchmarks.concealed.others.base import FittedBase, Played
+from benchmarks.concealed.others.said import Said, rms
 from benchmarks.concealed.recording import scales_of, simulate
 from benchmarks.concealed.strength import noise_levels
 
@@ -18,21 +19,6 @@ COORDINATE_TERMS = (
 )  # fmt: skip
 STORE_TERMS = ("leak", "square_root_orifice", "constant_bias")
 POINTS = 400
-
-
-@dataclass(frozen=True, slots=True)
-class Said:
-    """What a method says: (physics, place) or None, and its held-out residual.
-
-    ``before`` and ``after`` are rms of the held-out residual over the noise; ``terms``
-    how many terms it keeps.
-    """
-
-    finding: tuple[str, str] | None
-    before: float
-    after: float
-    terms: int
-    note: str = ""
 
 
 def every_term_by_aic(base: FittedBase) -> Said:
@@ -68,21 +54,26 @@ def every_term_by_aic(base: FittedBase) -> Said:
     sizes = np.linalg.norm(A, axis=0)
     sizes[sizes == 0.0] = 1.0
     A = A / sizes
-    kept = _backward(A, b, list(range(len(sites))), len(sites))
+    kept, needed = _backward(A, b, list(range(len(sites))), len(sites))
     columns = [*kept, *range(len(sites), A.shape[1])]
     solution, *_ = np.linalg.lstsq(A[:, columns], b, rcond=1e-8)
     rest = base.residual(base.held_out)
     flat = design(base.held_out)[columns].reshape(len(columns), -1).T
     after = rest.reshape(-1) - flat / sizes[columns] @ solution
     finding = None
-    if kept:
-        strongest = sites[kept[int(np.argmax(np.abs(solution[: len(kept)])))]]
-        finding = strongest.word, strongest.place
-    return Said(finding, _rms(rest), _rms(after), len(kept))
+    if needed is not None:
+        finding = sites[needed].word, sites[needed].place
+    return Said(finding, rms(rest), rms(after), len(kept))
 
 
-def _backward(A: Array, b: Array, kept: list[int], fixed: int) -> list[int]:
-    """Return the terms left when none can go without AIC growing."""
+def _backward(
+    A: Array, b: Array, kept: list[int], fixed: int
+) -> tuple[list[int], int | None]:
+    """Return the terms left when none can go without AIC growing, and the neediest.
+
+    That is the one without which AIC grows most: terms that resemble each other share
+    their coefficients in any way.
+    """
     G, c, total = A.T @ A, A.T @ b, float(b @ b)
 
     def aic(terms: list[int]) -> float:
@@ -96,10 +87,10 @@ def _backward(A: Array, b: Array, kept: list[int], fixed: int) -> list[int]:
     while kept:
         scores = [aic([k for k in kept if k != term]) for term in kept]
         if min(scores) >= best:
-            break
+            return kept, kept[int(np.argmax(scores))]
         best = min(scores)
         kept = [k for k in kept if k != kept[int(np.argmin(scores))]]
-    return kept
+    return kept, None
 
 
 def gaussian_process(base: FittedBase) -> Said:
@@ -122,11 +113,14 @@ def gaussian_process(base: FittedBase) -> Said:
     chosen = np.random.default_rng(0).choice(len(X), POINTS, replace=False)
     kernel = 10.0 * RBF(np.ones(X.shape[1])) + WhiteKernel(1.0)
     model = GaussianProcessRegressor(kernel, normalize_y=True, random_state=0)
-    model.fit((X[chosen] - mean) / spread, r[chosen])
+    with warnings.catch_warnings():
+        # A length that runs to its bound is a feature that says nothing.
+        warnings.simplefilter("ignore")
+        model.fit((X[chosen] - mean) / spread, r[chosen])
     rest = base.residual(base.held_out)
     guess = model.predict((features(base.held_out) - mean) / spread)
     after = rest - guess.reshape(rest.shape)
-    return Said(None, _rms(rest), _rms(after), 0, "has neither places nor words")
+    return Said(None, rms(rest), rms(after), 0, "has neither places nor words")
 
 
 STATES = {
@@ -160,7 +154,7 @@ def sindy(base: FittedBase) -> Said:
 
     machine = base.machine
     if machine.name not in STATES:
-        rest = _rms(base.residual(base.held_out))
+        rest = rms(base.residual(base.held_out))
         return Said(None, rest, rest, 0, "not applicable: a state is not measured")
     pieces = [_missing(base, p) for p in base.train]
     X, missing = (np.concatenate([p[i] for p in pieces]) for i in (0, 1))
@@ -172,7 +166,9 @@ def sindy(base: FittedBase) -> Said:
         scale = missing[:, i].std() + 1e-30
         columns, names = _library(X / size, machine, i)
         optimizer = pysindy.STLSQ(threshold=0.1, alpha=1e-6)
-        optimizer.fit(columns, missing[:, [i]] / scale)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # no term is left: that is an answer
+            optimizer.fit(columns, missing[:, [i]] / scale)
         found = np.asarray(optimizer.coef_)[0]
         explained = 1.0 - np.var(missing[:, i] / scale - columns @ found)
         strongest = int(np.argmax(np.abs(found) * columns.std(axis=0)))
@@ -231,7 +227,3 @@ def _library(X: Array, machine: Machine, i: int) -> tuple[Array, list[str]]:
     if STATES[machine.name][0] == "q":
         terms |= {"linear": q, "cubic": q**3, "sine": np.sin(q)}
     return np.column_stack(list(terms.values())), list(terms)
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
