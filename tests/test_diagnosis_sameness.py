@@ -1,12 +1,13 @@
-"""What does not matter to a diagnosis: workers, order of laws and channels, units."""
+"""What does not matter to a diagnosis: workers, order, units, names of things."""
 
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from test_interrupted import LAWS, pulled, slider
 
-from bondgraph import Recording, bind_to
+from bondgraph import TF, BondGraph, R, Recording, Sf, bind_to
 from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.work import workers
 from bondgraph.diagnosis.work.workers import Here, Processes
@@ -98,3 +99,69 @@ def test_a_machine_a_million_times_stronger_is_the_same_machine(plain):
     change = rewritten(strong, {"speed": "m/s", "force": "N"}, (1.0, 1e6))
     found = diagnosed(strong, both(strong, change))
     assert_same(told(plain), told(found, force=1e6), rel=1e-6)
+
+
+PLAIN = "motor speed bearing joint seal gear torque arm hinge tendon".split()
+NAMES = {
+    "as they are": PLAIN,
+    "backward in the alphabet": [
+        f"{chr(122 - sorted(PLAIN).index(name))}_{name}" for name in PLAIN
+    ],
+    "of no sense": "Zeta alpha _q9 beta Kappa nu rho omicron Delta mm".split(),
+}
+
+
+def geared(name):
+    """A gear train whose friction none of its three places is told from the others."""
+    graph = BondGraph("drive", domain="rotation")
+    graph.one(name["motor"], Sf(name["speed"]), R(name["bearing"]))
+    graph.one(name["joint"], R(name["seal"]))
+    graph.one(name["arm"], R(name["hinge"]))
+    graph.join(name["motor"], TF(name["gear"]), name["joint"])
+    graph.join(name["joint"], TF(name["tendon"]), name["arm"])
+    graph.measure(name["torque"], effort=name["speed"])
+    graph.parameter(name["bearing"], 0.6, "N*m*s/rad", bounds=(0, 100))
+    for part in ("seal", "hinge"):
+        graph.parameter(name[part], 0.3, "N*m*s/rad", std=0.0)
+    for part in ("gear", "tendon"):
+        graph.parameter(name[part], 2.0, "1", std=0.0)
+    return graph.finish()
+
+
+def turned(graph, name, seed):
+    random = np.random.default_rng(seed)
+    speed = 0.05 * np.cumsum(random.standard_normal(400))
+    speed -= speed.mean()
+    torque = 2.2 * speed + 0.5 * np.sign(speed) + 0.01 * random.standard_normal(400)
+    channels = {name["speed"]: (speed, "rad/s"), name["torque"]: (torque, "N*m")}
+    time = 0.01 * np.arange(400)
+    return bind_to(graph, Recording.from_arrays(f"turn {seed}", time, channels))
+
+
+def told_of_the_gears(called):
+    """Return what is found and what was tried, in the plain names."""
+    name = dict(zip(PLAIN, called, strict=True))
+    plain = {new: old for old, new in name.items()}
+    graph = geared(name)
+    found = diagnosed(graph, [turned(graph, name, seed) for seed in (1, 2)])
+    findings = [
+        (
+            one.physics,
+            plain[one.place],
+            [plain[x] for x in one.indistinguishable_places],
+        )
+        for one in found.findings
+    ]
+    tried = {
+        (one.physics, plain[one.place], one.support, round(one.gain, 9))
+        for one in found.candidates
+    }
+    return found.verdict, findings, tried
+
+
+def test_other_names_of_elements_and_channels_change_nothing():
+    plain, *others = (told_of_the_gears(called) for called in NAMES.values())
+    assert plain[1] == [("coulomb_friction", "motor", ["joint", "arm"])]
+    assert len(plain[2]) > 5
+    for other in others:
+        assert other == plain
