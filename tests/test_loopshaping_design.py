@@ -152,12 +152,22 @@ def with_a_margin_alone():
     )
 
 
+@cache
+def with_a_margin_and(requirement):
+    return optimise_controller(
+        SERVO, LEAD, (PhaseMargin(45.0), requirement), crossover=(1.0, 80.0), starts=2
+    )
+
+
+COMMAND = ActuatorLimit(12.0, step=1.0)
+
+
 @pytest.mark.parametrize(
     "requirement",
     [
         PeakNoiseGain(15.0),
         NoiseGain(3.0, omega=500.0),
-        ActuatorLimit(12.0, step=1.0),
+        COMMAND,
         CrossoverAtMost(6.0),
         PeakComplementary(1.05),
         ModulusMargin(0.75),
@@ -169,9 +179,7 @@ def with_a_margin_alone():
 def test_each_requirement_holds_the_crossover_back(requirement):
     """Alone with a margin, each one binds, and is met exactly."""
     free = with_a_margin_alone()
-    held = optimise_controller(
-        SERVO, LEAD, (PhaseMargin(45.0), requirement), crossover=(1.0, 80.0), starts=2
-    )
+    held = with_a_margin_and(requirement)
     assert held.met
     assert held.value < free.value
     assert abs(requirement.violation(Assessment(held.loops[0]))) < 0.02
@@ -179,11 +187,7 @@ def test_each_requirement_holds_the_crossover_back(requirement):
 
 
 def test_actuator_limit_is_the_largest_command_of_a_simulation():
-    limit = ActuatorLimit(12.0, step=1.0)
-    found = optimise_controller(
-        SERVO, LEAD, (PhaseMargin(45.0), limit), crossover=(1.0, 80.0), starts=1
-    )
-    loop = found.loops[0]
+    loop = with_a_margin_and(COMMAND).loops[0]
     # C/(1 + L) at a dense grid, back to time by the plain sum of its sine transform.
     omega = np.linspace(0.005, 4000.0, 800_000)
     through = loop.controller.gain
@@ -191,7 +195,7 @@ def test_actuator_limit_is_the_largest_command_of_a_simulation():
     for t in (0.02, 0.1, 0.4):
         rest = 2 / math.pi * np.sum(response.real * np.sin(omega * t) / omega) * 0.005
         assert abs(through + rest) <= 12.0 * 1.02
-    assert limit.achieved(Assessment(loop)) == pytest.approx(12.0, rel=0.01)
+    assert COMMAND.achieved(Assessment(loop)) == pytest.approx(12.0, rel=0.01)
 
 
 def test_refusal_says_which_requirement_and_by_how_much():
