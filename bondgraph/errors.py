@@ -77,8 +77,12 @@ class MissingExtraError(BondGraphError):
     """An optional package is needed and not installed."""
 
 
+MOST_NAMES_LISTED = 50
+"""A message that lists more names is not one line any more."""
+
+
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Return a sentence naming the closest known names, or all of them.
+    """Return a sentence naming the closest known names, or all that one line holds.
 
     Parameters
     ----------
@@ -92,5 +96,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     if close:
         return f"Did you mean {' or '.join(close)}?"
     if candidates:
-        return f"Known here: {', '.join(candidates)}."
+        more = len(candidates) - MOST_NAMES_LISTED
+        rest = f" and {more} more" if more > 0 else ""
+        return f"Known here: {', '.join(candidates[:MOST_NAMES_LISTED])}{rest}."
     return "There are none here."

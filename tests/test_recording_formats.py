@@ -4,10 +4,11 @@ import resource
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 from bondgraph import read_recording
 from bondgraph.errors import RecordingError
-from bondgraph.recordings import csv_table
+from bondgraph.recordings import csv_table, files
 from bondgraph.recordings.frames import from_pandas, from_xarray
 from bondgraph.recordings.recording import Recording
 
@@ -82,6 +83,44 @@ def test_a_million_rows_are_read_in_little_more_than_their_numbers(tmp_path):
     assert len(recording) == n
     assert recording.values("u")[7500, 0] == pytest.approx(0.5)
     assert after - before < 400_000  # KiB; the file and its text at once took more
+
+
+def test_a_small_file_that_unpacks_to_gigabytes_is_refused_before_it_does(
+    tmp_path, monkeypatch
+):
+    path = tmp_path / "r.h5"
+    with h5py.File(path, "w") as file:
+        for name, unit in (("time", "s"), ("x", "m")):
+            # Chunks never written take no room and read as zeros.
+            item = file.create_dataset(name, (4_000_000_000,), "f8", chunks=(4096,))
+            item.attrs["units"] = unit
+    with pytest.raises(RecordingError, match=r"MB and would unpack to 32 GB"):
+        read_recording(path)
+    monkeypatch.setattr(files, "MOST_UNPACKED", 1 << 20)
+    zeros = pd.DataFrame({"time [s]": np.zeros(200_000), "x [m]": np.zeros(200_000)})
+    zeros.to_parquet(tmp_path / "r.parquet")
+    with pytest.raises(RecordingError, match=r"would unpack to 0\.0032 GB of numbers"):
+        read_recording(tmp_path / "r.parquet")
+    savemat(tmp_path / "r.mat", {"x": np.zeros(200_000)}, do_compression=True)
+    mapping = {"time": "x [s]", "y": "x [m]"}
+    with pytest.raises(RecordingError, match=r"would unpack to 0\.0016 GB of numbers"):
+        read_recording(tmp_path / "r.mat", mapping=mapping)
+    # As large, of numbers that differ as a sensor's do: only their size is told.
+    rows = np.arange(200_000)
+    noise = np.random.default_rng(1).standard_normal(200_000)
+    full = pd.DataFrame({"time [s]": 0.1 * rows, "x [m]": noise})
+    full.to_parquet(tmp_path / "full.parquet")
+    found = read_recording(tmp_path / "full.parquet")
+    np.testing.assert_array_equal(found.channel("x").values, noise)
+
+
+def test_a_refusal_lists_as_many_names_as_a_line_holds(tmp_path):
+    path = tmp_path / "wide.csv"
+    names = ",".join(f"c{i:05d} [m]" for i in range(20_000))
+    path.write_text(f"time [s],{names}\n" + "1," * 20_000 + "1\n")
+    with pytest.raises(RecordingError, match=r"c00049 and 19951 more") as refused:
+        read_recording(path, channels=["qqq"])
+    assert len(str(refused.value)) < 1000
 
 
 def test_hdf5_datasets_have_names_units_and_columns(tmp_path):

@@ -4,6 +4,7 @@ Whatever those libraries raise over a damaged file becomes one refusal that name
 Neither format runs code when it is read.
 """
 
+import math
 import re
 import warnings
 from collections.abc import Iterator, Sequence
@@ -14,7 +15,7 @@ import numpy as np
 
 from bondgraph.errors import MissingExtraError, RecordingError
 from bondgraph.recordings.channel import FloatArray
-from bondgraph.recordings.files import digest
+from bondgraph.recordings.files import check_unpacked, digest
 from bondgraph.recordings.repairs import AbstractTable
 
 MOST_COLUMNS_LISTED = 64
@@ -38,7 +39,7 @@ class ParquetTable(AbstractTable):
                 ("pyarrow",),
                 "Install bondgraph-workbench[data].",
             ) from error
-        self.source = str(path)
+        self.source, self._path = str(path), path
         self.sha256 = digest(path)
         try:
             self._file: Any = pq.ParquetFile(path)
@@ -48,10 +49,22 @@ class ParquetTable(AbstractTable):
 
     def columns(self, indices: Sequence[int]) -> list[FloatArray]:
         """Return the columns numbered `indices`; nan stands for a null."""
-        blocks = list(self.blocks(indices))
-        if not blocks:
-            return [np.empty(0) for _ in indices]
-        return [np.concatenate(column) for column in zip(*blocks, strict=True)]
+        count = self._file.metadata.num_rows
+        check_unpacked(self._path, count * len(indices))
+        try:
+            columns = [np.empty(count) for _ in indices]
+        except (ValueError, MemoryError) as error:
+            raise damaged(self.source, "Parquet", error) from error
+        filled = 0
+        for block in self.blocks(indices):
+            size = min(block[0].size, count - filled)
+            for column, values in zip(columns, block, strict=True):
+                column[filled : filled + size] = values[:size]
+            filled += block[0].size
+        if filled != count:
+            found = ValueError(f"{filled} rows, and it says {count}")
+            raise damaged(self.source, "Parquet", found)
+        return columns
 
     def blocks(self, indices: Sequence[int]) -> Iterator[list[FloatArray]]:
         """Yield the columns numbered `indices` row group by row group."""
@@ -101,6 +114,7 @@ class MatTable(AbstractTable):
         self.headers = tuple(
             offer for name, shape, _ in found for offer in offers(name, shape)
         )
+        self._sizes = {name: math.prod(shape) for name, shape, _ in found}
 
     def columns(self, indices: Sequence[int]) -> list[FloatArray]:
         """Return the variables numbered `indices`."""
@@ -128,6 +142,7 @@ class MatTable(AbstractTable):
         from scipy.io import loadmat  # noqa: PLC0415
 
         if name not in self._read:
+            check_unpacked(self._path, self._sizes[name])
             try:
                 with warnings.catch_warnings():
                     warnings.simplefilter("error")

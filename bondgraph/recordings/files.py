@@ -47,3 +47,34 @@ def digest(path: Path) -> str:
     """Return the SHA-256 of a file's content, read in pieces."""
     with path.open("rb") as file:
         return file_digest(file, "sha256").hexdigest()
+
+
+MOST_UNPACKED = 1 << 30
+"""Bytes of numbers that any file may unpack to."""
+
+MOST_TIMES = 100
+"""A file that unpacks to more than that may be so many times smaller on disk: numbers
+that a sensor has read, with its noise, do not pack so well."""
+
+
+def check_unpacked(path: Path, numbers: int) -> None:
+    """Refuse a small file that unpacks to more numbers than any recording of its size.
+
+    Parameters
+    ----------
+    numbers
+        Those that are about to be read, of 8 bytes each.
+
+    Raises
+    ------
+    RecordingError
+        Before anything is unpacked.
+    """
+    unpacked, packed = 8 * numbers, max(path.stat().st_size, 1)
+    if unpacked > MOST_UNPACKED and unpacked > MOST_TIMES * packed:
+        raise RecordingError(
+            f"{str(path)!r} holds {packed / 1e6:.3g} MB and would unpack to "
+            f"{unpacked / 1e9:.3g} GB of numbers.",
+            (str(path),),
+            "It may be damaged; save it again, or read fewer rows or channels.",
+        )

@@ -22,7 +22,7 @@ from bondgraph.recordings.binary_tables import (
     split_offer,
 )
 from bondgraph.recordings.channel import FloatArray
-from bondgraph.recordings.files import digest
+from bondgraph.recordings.files import check_unpacked, digest
 from bondgraph.recordings.names import join_header, split_header
 from bondgraph.recordings.repairs import AbstractTable
 
@@ -113,6 +113,7 @@ class Hdf5Table(AbstractTable):
         name, part = split_offer(header)
         item = file[name]
         shape = self._shape(item)
+        check_unpacked(self._path, item.size if part is None else max(shape))
         if part is None:
             if max(shape, default=0) != item.size:
                 raise is_matrix(self.source, name, shape)
