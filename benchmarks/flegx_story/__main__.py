@@ -8,24 +8,19 @@ from typing import Any
 from benchmarks.concealed.running import run_all
 from benchmarks.flegx_story.leg import ALL, ALONE, JOINTS
 from benchmarks.flegx_story.recording import write_case
-from benchmarks.flegx_story.train import RATIO, WORM
-from bondgraph import load_model
 
 SEED = 11
 ALONE_IN = "lowerleg_stance"
 """The drive of which each piece of physics is also concealed alone."""
 
-RATIOS = {"motor": RATIO, "worm": WORM, "joint": 1.0}
-"""Speed of a place per speed of the joint."""
 
-
-def make(folder: Path) -> None:
+def make(folder: Path, samples: int) -> None:
     """Write the cases: each drive with all that is concealed, one with each alone."""
     for joint in JOINTS:
-        write_case(folder, joint, ALL, SEED)
+        write_case(folder, joint, ALL, SEED, samples)
         if joint.model == ALONE_IN:
             for one in ALONE:
-                write_case(folder, joint, one, SEED)
+                write_case(folder, joint, one, SEED, samples)
 
 
 def said(answer: Path) -> str:
@@ -38,32 +33,15 @@ def said(answer: Path) -> str:
 def shaped(answer: Path) -> str:
     """Return the zero and the crossover for the model that was found, in a line."""
     # imported here: making and running need no loops
-    from benchmarks.flegx_story.shaping import (  # noqa: PLC0415
-        designed,
-        plant_of,
-        rubbed,
-        speed_of_the_test,
-    )
+    from benchmarks.flegx_story.zeros import found_zero  # noqa: PLC0415
 
-    told: dict[str, Any] = json.loads(answer.read_text("utf-8"))
-    dry = [one for one in told["findings"] if one["physics"] == "coulomb_friction"]
-    if len(dry) != 1:
-        return "no Coulomb friction alone was found: the formula of the zero needs one"
-    (one,) = dry
-    (size,) = one["parameters"].values()
-    ratio = RATIOS[one["place"]]
-    text = answer.with_suffix(".py")
-    text.write_text(told["model"], "utf-8")
-    limb, phase, concealed = answer.stem.split("_", 2)
-    speed = ratio * speed_of_the_test(f"{limb}_{phase}")
-    found = load_model(f"{text}:model")
-    plant = plant_of(rubbed(found, one["element"], size["value"], speed))
-    behind_the_filter = concealed in ("all", "filter")
-    design = designed(f"{limb}_{phase}", plant, filtered=not behind_the_filter)
+    found = found_zero(answer)
+    if found is None:
+        return "no single dry friction was found: the formula of the zero needs one"
     return (
-        f"F = {ratio * size['value']:.2f} N·m at the joint; zero at "
-        f"{design.controller.value('zero'):.2f} rad/s, crossover "
-        f"{design.measures.crossover:.2f} rad/s. {design.status.value}"
+        f"F = {found.friction:.2f} N·m at the joint; zero at {found.zero:.2f} rad/s, "
+        f"crossover {found.design.measures.crossover:.2f} rad/s. "
+        f"{found.design.status.value}"
     )
 
 
@@ -73,11 +51,12 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("flegx-story"))
     parser.add_argument("--names", nargs="*", default=(), help="words in a case's name")
     parser.add_argument("--limit", type=float, default=1800.0, help="s for one case")
+    parser.add_argument("--samples", type=int, default=1500, help="of a recording")
     chosen = parser.parse_args()
     cases, answers = chosen.out / "cases", chosen.out / "answers"
     match chosen.what:
         case "make":
-            make(cases)
+            make(cases, chosen.samples)
         case "run":
             run_all(cases, answers, workers=1, limit=chosen.limit, names=chosen.names)
         case _:

@@ -1,0 +1,98 @@
+"""What an answer has right about a drive, piece by piece.
+
+Written down before the diagnoses of the four drives were run; one of them, of the
+worm's friction alone, had been seen. Places are names of the printed models. Motor,
+worm, joint and support turn together there, so that only what lies between them can
+tell one from the other.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+from benchmarks.flegx_story.leg import JOINTS
+
+TRAIN = ("motor", "worm", "joint", "support")
+
+RIGHT: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "worm": (("load_dependent_friction", "coulomb_friction"), TRAIN),
+    "tendons": (("compliance", "added_compliance"), TRAIN),
+    "link": (("compliance", "added_compliance"), TRAIN),
+    "filter": (("lag", "delay"), ("theta", "T_motor")),
+}
+"""Words and places of each piece: friction of the mesh has a part of either law, two
+second-order filters are lag and delay, and one signal path has them at either end."""
+
+FAMILY = {
+    "worm": ("friction", "drag", "hysteresis"),
+    "tendons": ("compliance", "spring", "backlash"),
+    "link": ("compliance", "spring", "backlash"),
+    "filter": ("lag", "delay"),
+}
+"""What other words would be the same sort of thing."""
+
+
+class Told(StrEnum):
+    """What came of one concealed piece."""
+
+    RIGHT = "found and named"
+    KIND = "found, called another of its kind"
+    SILENT = "not found"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Telling:
+    """A case: what was concealed and came of it, and what else was said.
+
+    ``before`` and ``after`` are held-out errors of the angle in rad.
+    """
+
+    name: str
+    verdict: str
+    pieces: Mapping[str, Told]
+    beside: tuple[str, ...]
+    before: float
+    after: float
+
+
+def concealed_in(name: str) -> tuple[str, ...]:
+    """Return the pieces that a case's name stands for."""
+    limb, phase, which = name.split("_", 2)
+    (joint,) = (one for one in JOINTS if one.model == f"{limb}_{phase}")
+    pieces = RIGHT if which == "all" else (which,)
+    return tuple(one for one in pieces if joint.tendons or one != "tendons")
+
+
+def telling(answer: Path) -> Telling:
+    """Return what an answer has right; a finding stands for one piece at most."""
+    told: dict[str, Any] = json.loads(answer.read_text("utf-8"))
+    left = [(one["physics"], one["place"]) for one in told["findings"]]
+    pieces = dict.fromkeys(concealed_in(answer.stem), Told.SILENT)
+    for wanted in (Told.RIGHT, Told.KIND):
+        for piece, found in pieces.items():
+            words, places = RIGHT[piece]
+            for physics, place in left if found is Told.SILENT else ():
+                exact = physics in words
+                alike = any(word in physics for word in FAMILY[piece])
+                if place in places and (exact if wanted is Told.RIGHT else alike):
+                    pieces[piece] = wanted
+                    left.remove((physics, place))
+                    break
+    errors = told["fit"]["held_out"]
+    return Telling(
+        name=answer.stem,
+        verdict=told["verdict"],
+        pieces=pieces,
+        beside=tuple(f"{physics} at {place}" for physics, place in left),
+        before=errors["before"]["rmse"]["theta"],
+        after=errors["after"]["rmse"]["theta"],
+    )
+
+
+def tellings(answers: Path) -> list[Telling]:
+    """Return those of all answers in a folder."""
+    found = sorted(answers.glob("*.json"))
+    return [telling(one) for one in found if not one.name.endswith(".run.json")]
