@@ -243,6 +243,40 @@ def test_the_command_line_goes_before_the_file(bench):
     assert run(*words, "--gaps", "refuse").exit_code == 2
 
 
+def test_a_file_says_what_lies_between_the_samples_of_an_input(bench):
+    Path("bench.toml").write_text('hold = "zero"\n' + Path("bench.toml").read_text())
+    lines = Path("run.csv").read_text().splitlines()
+    pushed = [line.replace(",1", f",{k % 2}", 1) for k, line in enumerate(lines[1:])]
+    Path("run.csv").write_text("\n".join([lines[0], *pushed]))
+    words = ("simulate", "cart.py:cart", "run.csv", "--reading", "bench.toml")
+
+    def error(*more):
+        return json.loads(run(*words, *more, "--json", "-").stdout)["nrmse"]
+
+    held = error()
+    assert held == error("--hold", "zero")
+    assert held != error("--hold", "first")
+
+
+def test_what_lies_before_and_after_a_time_is_left_out(bench):
+    lines = Path("run.csv").read_text().splitlines()
+    filled = [f"{line.split(',')[0]},5,9" for line in lines[1:51]]
+    Path("run.csv").write_text("\n".join([lines[0], *filled, *lines[51:]]))
+    words = ("simulate", "cart.py:cart", "run.csv", "--reading", "bench.toml")
+    assert json.loads(run(*words, "--json", "-").stdout)["nrmse"] > 0.1
+    part = (*words, "--begin", "1", "--end", "3")
+    result = run(*part, "--json", "-", "-o", "both.csv")
+    assert json.loads(result.stdout)["nrmse"] < 1e-3
+    times = np.loadtxt("both.csv", delimiter=",", skiprows=1)[:, 0]
+    np.testing.assert_allclose(times, np.arange(50, 151) * 0.02)
+    nothing = run(*words, "--begin", "4")
+    assert nothing.exit_code == 2
+    assert "It was recorded from 0 to 3.98 s." in nothing.stderr
+    steady = run(*part, "--steady")
+    assert steady.exit_code == 2
+    assert "Leave out --begin and --end, or --steady." in steady.stderr
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -259,6 +293,54 @@ def test_a_bad_file_of_reading_options_is_refused(bench, text, said):
     assert result.exit_code == 2
     (line,) = result.stderr.splitlines()
     assert said in line
+
+
+# What is said of a fit, and of a model that nothing drives
+
+COASTING = """
+from bondgraph import BondGraph, I, R
+
+def coasting() -> BondGraph:
+    graph = BondGraph("coasting", domain="translation")
+    graph.one("carriage", I("mass"), R("viscous"))
+    graph.measure("velocity", flow="carriage")
+    graph.parameter("mass", 1.0, "kg")
+    graph.parameter("viscous", 1.0, "N*s/m"FREE)
+    return graph
+"""
+
+
+@pytest.fixture
+def coasting(bench):
+    time = 0.02 * np.arange(200)
+    noise = 1e-4 * np.random.default_rng(1).normal(size=time.size)
+    rows = np.column_stack([time, np.exp(-0.4 * time) + noise])
+    header = "time [s],velocity [m/s]"
+    np.savetxt("run.csv", rows, delimiter=",", header=header, comments="")
+    Path("free.py").write_text(COASTING.replace("FREE", ""))
+    Path("known.py").write_text(COASTING.replace("FREE", ", std=0.0"))
+
+
+def test_what_cannot_be_told_comes_with_a_way_out_that_works(coasting):
+    said = run("fit", "free.py", "run.csv").stdout
+    assert "mass and viscous only as" in said
+    assert "with std=0.0 it stays at its value" in said
+    assert "95 % interval" not in said
+    known = run("fit", "known.py", "run.csv").stdout
+    assert "Not identifiable" not in known
+    assert "std=0.0" not in known
+    assert known.count("95 % interval") == 1
+
+
+def test_intervals_are_listed_where_lines_are_too_short_for_a_column(coasting):
+    short = run("fit", "known.py", "run.csv", COLUMNS="40").stdout
+    assert short.count("95 % interval") == 1
+    assert re.search(r"^  mass: 2\.\S+ to 2\.\S+ kg$", short, re.MULTILINE)
+
+
+def test_a_model_that_nothing_drives_is_said_to_have_no_transfer_functions(coasting):
+    said = run("derive", "free.py").stdout
+    assert "transfer functions: none without an input and a measurement" in said
 
 
 # Interrupted, and gone on with

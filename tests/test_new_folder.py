@@ -12,7 +12,7 @@ from bondgraph.cli.program import program
 from bondgraph.cli.starting.starts import STARTS, TRAIN
 from bondgraph.loading import load_model
 
-READ = ("--reading", "reading.toml", "--hold", "zero")
+READ = ("--reading", "reading.toml")
 
 
 def run(*words):

@@ -32,6 +32,8 @@ from bondgraph.reporting.derived_json import (
 )
 from bondgraph.structure.graph import FinishedGraph
 
+_NO_TRANSFERS = "transfer functions: none without an input and a measurement"
+
 
 @click.command(
     "derive",
@@ -100,7 +102,7 @@ def command(
         session.say("\n".join(_causality_lines(causality, reasons=reasons)))
         session.say(as_text(equations))
         session.say()
-        session.say("transfer functions")
+        session.say("transfer functions" if transfers else _NO_TRANSFERS)
         for transfer in transfers:
             session.say("\n".join(_transfer_lines(transfer, numbers)))
             if show_sensitivities and isinstance(transfer, TransferFunction):

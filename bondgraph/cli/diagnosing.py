@@ -63,7 +63,7 @@ def answer(
     every = (*training, *held_out)
     with (
         kept_for_later(session, graph, every, resume) as journal,
-        session.progress() as progress,
+        session.progress(loops=True) as progress,
     ):
         diagnosis = diagnose(
             graph,

@@ -24,7 +24,7 @@ from bondgraph.fitting.solver_error import SolverError, SolverErrorStatus
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.reporting.diagnosis_json import json_value
 from bondgraph.reporting.model_text import to_python
-from bondgraph.reporting.tables import estimates_table
+from bondgraph.reporting.tables import INTERVAL, estimates_table
 from bondgraph.reporting.wording import number_words, relative_error, unit_words
 from bondgraph.structure.graph import FinishedGraph
 
@@ -79,7 +79,7 @@ def command(
     session.answers_in(json_file)
     graph = read_model(model, values)
     bound = read_recordings(recordings, graph, reading)
-    with session.progress() as progress:
+    with session.progress(loops=True) as progress:
         progress(f"fitting {graph.name}")
         result = fit(graph, bound, settings=settings)
     if result.status is FitStatus.SIMULATION_FAILED:
@@ -90,10 +90,20 @@ def command(
         )
     session.say(result.status.value)
     session.say()
-    session.say(estimates_table(result.estimates, **table_style(session)))
+    table = estimates_table(result.estimates, **table_style(session))
+    session.say(table)
     session.say()
+    intervals = "\n".join(_intervals(result))
+    if intervals and (INTERVAL not in table or session.verbose):
+        session.say(intervals)
+        session.say()
     session.say("\n".join(_known(result, graph, bound)))
-    with session.progress() as progress:
+    if result.unidentifiable:
+        session.hint(
+            "What is known of a parameter beforehand may be said in the model: "
+            "with std=0.0 it stays at its value."
+        )
+    with session.progress(loops=True) as progress:
         profiles = []
         for name in profiled:
             progress(f"profile of {name}")
@@ -106,16 +116,20 @@ def command(
     return 0 if result.status is FitStatus.CONVERGED else 1
 
 
+def _intervals(result: FitResult) -> Iterator[str]:
+    """Yield the intervals that are known, one a line, where there are any."""
+    known = [(one, one.interval) for one in result.estimates if one.interval]
+    if known:
+        yield f"{INTERVAL}s"
+    for one, interval in known:
+        low, high = (number_words(end, 5) for end in interval)
+        yield f"  {one.name}: {low} to {high} {unit_words(one.unit)}".rstrip()
+
+
 def _known(
     result: FitResult, graph: FinishedGraph, bound: Sequence[BoundRecording]
 ) -> Iterator[str]:
-    """Yield what the fit knows: intervals, errors, and what it cannot tell."""
-    yield "95 % intervals"
-    for one in result.estimates:
-        if one.interval is not None:
-            low, high = (number_words(end, 5) for end in one.interval)
-            yield f"  {one.name}: {low} to {high} {unit_words(one.unit)}".rstrip()
-    yield ""
+    """Yield what the fit knows: errors, and what it cannot tell."""
     yield _score_words(result)
     for name, phi in result.correlation.items():
         yield f"Noise of {name}: neighbouring samples correlate by {phi:.3f}."

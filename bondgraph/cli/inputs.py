@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import click
+import numpy as np
 from click.shell_completion import CompletionItem
 
 from bondgraph.cli.reading_options import Reading
@@ -128,7 +129,7 @@ def _read(
     path: str, name: str, graph: FinishedGraph, reading: Reading
 ) -> BoundRecording:
     try:
-        return read_for(
+        whole = read_for(
             graph,
             path,
             name=name,
@@ -147,6 +148,31 @@ def _read(
     except BondGraphError as error:
         remedy = as_options(error.remedy)
         raise type(error)(error.problem, error.about, remedy) from error
+    return _between(whole, reading.begin, reading.end)
+
+
+def _between(
+    whole: BoundRecording, begin: float | None, end: float | None
+) -> BoundRecording:
+    """Return what was recorded from one time to another, both included."""
+    if begin is None and end is None:
+        return whole
+    if whole.steady:
+        raise RecordingError(
+            f"The rows of {whole.name!r} are operating points and have no time.",
+            (whole.name,),
+            "Leave out --begin and --end, or --steady.",
+        )
+    first, last = float(whole.time[0]), float(whole.time[-1])
+    start = np.searchsorted(whole.time, first if begin is None else begin)
+    stop = np.searchsorted(whole.time, last if end is None else end, side="right")
+    if stop - start < 2:
+        raise RecordingError(
+            f"Fewer than two samples of {whole.name!r} lie between --begin and --end.",
+            (whole.name,),
+            f"It was recorded from {first:.6g} to {last:.6g} s.",
+        )
+    return whole.part(int(start), int(stop))
 
 
 def _units(words: Sequence[str]) -> dict[str, str]:

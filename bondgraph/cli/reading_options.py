@@ -2,6 +2,8 @@
 
 Every command that reads recordings has them. What one says of a test bench once and for
 all stands in a TOML file, which ``--reading`` names; the command line goes before it.
+What lies between two samples of an input is said of a bench too, so ``hold`` may stand
+there, though it is an option of what simulates.
 """
 
 import tomllib
@@ -24,13 +26,16 @@ _option = partial(click.option, cls=Option, heading=RECORDINGS)
 class Reading:
     """How recordings are read: the recording options as given.
 
-    ``map`` and ``unit`` hold words such as ``theta=joint_angle`` and ``theta=deg``.
+    ``map`` and ``unit`` hold words such as ``theta=joint_angle`` and ``theta=deg``;
+    ``begin`` and ``end`` are times of the recording, in seconds.
     """
 
     map: tuple[str, ...]
     unit: tuple[str, ...]
     time: str
     step: float | None
+    begin: float | None
+    end: float | None
     steady: bool
     gaps: str
     order: str
@@ -62,7 +67,7 @@ def _defaults(path: Path) -> dict[str, Any]:
             (str(path),),
             "bondgraph new writes one to start from.",
         ) from error
-    known = {field.name for field in fields(Reading)}
+    known = {field.name for field in fields(Reading)} | {_HOLD}
     for name, value in said.items():
         if name not in known:
             raise RecordingError(
@@ -84,6 +89,7 @@ def _defaults(path: Path) -> dict[str, Any]:
 
 
 _TABLES = ("map", "unit")
+_HOLD = "hold"
 _OPTIONS = (
     _option(
         "--reading",
@@ -92,7 +98,7 @@ _OPTIONS = (
         is_eager=True,
         expose_value=False,
         callback=_from_file,
-        help="TOML with these options by name, as bondgraph new writes one.",
+        help="TOML with these options and hold by name, as bondgraph new writes one.",
     ),
     _option(
         "--map",
@@ -111,6 +117,18 @@ _OPTIONS = (
         "--time", default="time", show_default=True, help="Name of the time column."
     ),
     _option("--step", type=float, help="Seconds between samples without a time."),
+    _option(
+        "--begin",
+        type=float,
+        metavar="SECONDS",
+        help="Leave out what was recorded before this time.",
+    ),
+    _option(
+        "--end",
+        type=float,
+        metavar="SECONDS",
+        help="Leave out what was recorded after this time.",
+    ),
     _option(
         "--steady", is_flag=True, help="Rows are operating points, not samples in time."
     ),

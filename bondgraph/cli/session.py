@@ -9,13 +9,14 @@ import json
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from enum import IntEnum, StrEnum
 from pathlib import Path
 from typing import Any, TextIO
 
 import click
 
+from bondgraph.cli.first_use import told_of_compiling
 from bondgraph.errors import BondGraphError
 from bondgraph.progress import Silent, Step, Steps, shown_progress
 
@@ -154,18 +155,25 @@ class Session:
             self.write(json_file, text + "\n")
 
     @contextmanager
-    def progress(self) -> Iterator[Step]:
+    def progress(self, *, loops: bool = False) -> Iterator[Step]:
         """Yield a function that is told each step.
 
         A terminal shows the present one; ``-v`` prints them all, one a line. Anything
         else shows nothing: a log has no use for it.
+
+        Parameters
+        ----------
+        loops
+            Whether compiled loops are run, so that they may have to be compiled first,
+            which is noted.
         """
         shown: Callable[[], Any] = shown_progress
         if self.verbose:
             shown = Steps(self._tell).shown
         elif self.loudness is Loudness.QUIET or not sys.stderr.isatty():
             shown = Silent().shown
-        with shown() as step:
+        told = told_of_compiling(self.note) if loops else nullcontext()
+        with shown() as step, told:
             yield step
 
 

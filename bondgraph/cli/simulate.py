@@ -72,7 +72,7 @@ def command(
     session.answers_in(json_file)
     graph = read_model(model, values)
     (bound,) = read_recordings([recording], graph, reading)
-    with session.progress() as progress:
+    with session.progress(loops=True) as progress:
         progress(f"simulating {bound.name}")
         solution = simulate(graph, bound, settings=settings)
     if solution.status is SolveStatus.FAILED:

@@ -40,6 +40,8 @@ _STYLES = {
     Support.REFUTED: "dim",
 }
 HEADING_LINES = 2
+INTERVAL = "95 % interval"
+"""The heading of a column that is left out where lines are too short for it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -123,7 +125,7 @@ def estimates_table(
         rows.append((_Cell(one.name), start, value, _Cell(_unit(one.unit))))
         intervals.append(_Cell(_interval(one.interval)))
     if any(cell.text != NOTHING for cell in intervals):
-        wider = (*columns[:3], _Column("95 % interval"), columns[3])
+        wider = (*columns[:3], _Column(INTERVAL), columns[3])
         longer = [
             (*row[:3], interval, row[3])
             for row, interval in zip(rows, intervals, strict=True)

@@ -107,7 +107,7 @@ def files_of(start: Start, name: str) -> dict[str, str]:
 
 def commands(start: Start) -> dict[str, str]:
     """Return the commands to type in a new folder, each with what it does."""
-    model, read = f"{start.name}.py", f"--reading {READING} --hold zero"
+    model, read = f"{start.name}.py", f"--reading {READING}"
     return {
         f"bondgraph derive {model}": "causality, equations, transfer functions",
         f"bondgraph draw {model} -o {start.name}.svg": "the bond graph as a picture",
@@ -125,7 +125,10 @@ def _reading(start: Start) -> str:
 # How the recordings are read: --reading {READING} stands for these options.
 # Units come from the header, as in "n [rpm]"; where a file has none, write
 # name = "column[unit]". Other lines that may stand above [map]:
-#   gaps = "drop"      order = "sort"      decimal = ","      delimiter = ";"
+#   gaps = "drop"     order = "sort"    decimal = ","     delimiter = ";"
+#   begin = 2.5       end = 60.0        (seconds: what lies outside is left out)
+
+hold = "zero"  # inputs keep their value between two samples, as a converter's output
 
 [map]  # the model's name = "the file's column"
 {lines}
@@ -173,10 +176,10 @@ Open `report.html` afterwards.
 
 To make it yours: record the inputs and outputs of your machine in a CSV with a header
 such as `{",".join(start.columns(1, 1))}`, draw it in `{start.name}.py`, and map the
-columns in `{READING}`. `--hold zero` says that the input keeps its value between two
-samples, as a converter's output does; leave it out where it does not. Move the machine
-in both directions, fast and slow, through the whole range; what no recording excites,
-no diagnosis can see.
+columns in `{READING}`. There `hold = "zero"` says that the input keeps its value
+between two samples, as a converter's output does; write `"first"` where it goes on in
+straight lines. Move the machine in both directions, fast and slow, through the whole
+range; what no recording excites, no diagnosis can see.
 
 The recordings here come from a simulated machine. It has one thing that the model lacks
 (at `{start.place}`): {start.hidden}. `bondgraph diagnose` should find it.
