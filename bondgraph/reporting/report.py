@@ -14,11 +14,17 @@ from typing import TYPE_CHECKING, Any
 from bondgraph.causality.assignment import assign_causality
 from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.records import Diagnosis
+from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.reporting.diagnosis_json import delivered
 from bondgraph.reporting.drawing import draw_svg
 from bondgraph.reporting.files import write_text
 from bondgraph.reporting.model_text import describe_difference, to_python
-from bondgraph.reporting.page.evidence import considered, how_sure, not_told_apart
+from bondgraph.reporting.page.evidence import (
+    considered,
+    how_sure,
+    not_told_apart,
+    rivals,
+)
 from bondgraph.reporting.page.experiment import experiment_picture
 from bondgraph.reporting.page.laws import law_picture
 from bondgraph.reporting.page.parameters import parameter_rows
@@ -40,6 +46,8 @@ if TYPE_CHECKING:
 
 LEAST_BLAME = 0.005
 """Shares of the error below it are written as 0 %."""
+FEW = 6
+"""Changes of the model that are listed; more are folded."""
 
 
 def write_report(diagnosis: Diagnosis, path: Path | str, *, command: str = "") -> None:
@@ -96,7 +104,12 @@ def _environment() -> "jinja2.Environment":
         unit=unit_words,
     )
     environment.globals.update(
-        deviation=with_deviation, with_unit=with_unit, nothing=NOTHING
+        curve=CURVE,
+        deviation=with_deviation,
+        few=FEW,
+        nothing=NOTHING,
+        rivals=rivals,
+        with_unit=with_unit,
     )
     return environment
 
@@ -109,7 +122,7 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "diagnosis": diagnosis,
         "improved": (before.nodes, before.measurements)
         != (model.nodes, model.measurements),
-        "considered": considered(diagnosis.candidates),
+        "considered": considered(diagnosis.candidates, diagnosis.findings),
         "not_told_apart": not_told_apart(diagnosis),
         "verdict": VERDICTS[diagnosis.verdict],
         "blame": _shown_blame(diagnosis),

@@ -21,6 +21,15 @@ class Whisker:
 
 
 @dataclass(frozen=True, slots=True)
+class Row:
+    """A candidate with its gain drawn, and whether it is what was found."""
+
+    evidence: Evidence
+    whisker: Whisker
+    found: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Considered:
     """The candidates of a page: the best of each law at each place, and the others.
 
@@ -30,17 +39,20 @@ class Considered:
         Where on the line of gains no gain is, in per cent.
     """
 
-    shown: tuple[tuple[Evidence, Whisker], ...]
-    folded: tuple[tuple[Evidence, Whisker], ...]
+    shown: tuple[Row, ...]
+    folded: tuple[Row, ...]
     zero: float
     held_out_known: bool
 
 
-def considered(candidates: Sequence[Evidence]) -> Considered:
-    """Return the candidates of a page, in the order given.
+def considered(
+    candidates: Sequence[Evidence], findings: Sequence[Finding] = ()
+) -> Considered:
+    """Return the candidates of a page, in the order given, and which were found.
 
     A law may be tried at a place in several ways, of which the first is the best.
     """
+    found = {(one.physics, one.place) for one in findings}
     seen: set[tuple[str, str]] = set()
     shown: list[Evidence] = []
     folded: list[Evidence] = []
@@ -51,19 +63,33 @@ def considered(candidates: Sequence[Evidence]) -> Considered:
     least = min((one.gain - one.gain_std for one in candidates), default=0.0)
     low = max(min(least, 0.0), -1.0)
 
-    def placed(one: Evidence) -> tuple[Evidence, Whisker]:
+    def placed(one: Evidence, *, best: bool) -> Row:
         low_end, value, high_end = (
             100 * (min(max(gain, low), 1.0) - low) / (1.0 - low)
             for gain in (one.gain - one.gain_std, one.gain, one.gain + one.gain_std)
         )
-        return one, Whisker(low_end, value, high_end)
+        chosen = best and (one.physics, one.place) in found
+        return Row(one, Whisker(low_end, value, high_end), chosen)
 
     return Considered(
-        shown=tuple(map(placed, shown)),
-        folded=tuple(map(placed, folded)),
+        shown=tuple(placed(one, best=True) for one in shown),
+        folded=tuple(placed(one, best=False) for one in folded),
         zero=100 * -low / (1.0 - low),
         held_out_known=any(one.held_out_nrmse is not None for one in candidates),
     )
+
+
+def rivals(finding: Finding) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return what a finding could also be, and what is hardly supported, each once.
+
+    A law that was tried at a place in several ways counts as its best way does.
+    """
+    best: dict[str, bool] = {}
+    for one in finding.alternatives:
+        words = f"{name_of(one.physics)} at {one.place}"
+        best[words] = best.get(words, False) or one.support is not Support.REFUTED
+    could = tuple(words for words, alive in best.items() if alive)
+    return could, tuple(words for words in best if words not in could)
 
 
 def not_told_apart(diagnosis: Diagnosis) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bondgraph.diagnosis.records import Diagnosis
+from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.fitting.result import Estimate
 from bondgraph.reporting.diagnosis_json import delivered
 from bondgraph.reporting.page.evidence import Whisker
@@ -31,7 +32,11 @@ class Shown:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParameterRow:
-    """One parameter: as given, before, after, and in the model handed on."""
+    """One parameter: as given, before, after, and in the model handed on.
+
+    ``of_curve`` says that it is a point of a curve without a name, which tells nothing
+    by itself.
+    """
 
     name: str
     unit: str
@@ -40,6 +45,7 @@ class ParameterRow:
     after: Shown
     everything: Shown
     new: bool
+    of_curve: bool = False
 
 
 def parameter_rows(diagnosis: Diagnosis) -> list[ParameterRow]:
@@ -47,6 +53,12 @@ def parameter_rows(diagnosis: Diagnosis) -> list[ParameterRow]:
     before = {e.name: e for e in diagnosis.fit_before.estimates}
     after = {e.name: e for e in diagnosis.fit_after.estimates}
     everything = {e.name: e for e in delivered(diagnosis).estimates}
+    points = {
+        estimate.name
+        for finding in diagnosis.findings
+        if finding.physics == CURVE
+        for estimate in finding.estimates
+    }
     rows = []
     for name in dict.fromkeys((*before, *after)):
         three = [known.get(name) for known in (before, after, everything)]
@@ -62,6 +74,7 @@ def parameter_rows(diagnosis: Diagnosis) -> list[ParameterRow]:
                 after=shown[1],
                 everything=shown[2],
                 new=new,
+                of_curve=name in points,
             )
         )
     return rows
