@@ -23,6 +23,7 @@ from benchmarks.flegx_story.shaping import (
     rubbed,
     speed_of_the_test,
 )
+from benchmarks.flegx_story.telling import Told, concealed_in, telling
 from bondgraph import InsertElement, Parameter, R, f, to_python
 from flegx_models import models
 from flegx_models.tuned_zeros import (
@@ -141,3 +142,30 @@ def test_an_answer_is_taken_to_the_controller(tmp_path):
     assert said(answer).endswith("physics_missing: coulomb_friction at motor")
     # 0.035 N·m · 251.42 = 8.80 N·m, and z = (c + 4F/(πV))/J as above
     assert "F = 8.80 N·m at the joint; zero at 2.90 rad/s" in shaped(answer)
+
+
+def test_a_finding_stands_for_one_piece_and_what_else_is_said_is_told(tmp_path):
+    said = (
+        ("direction_dependent_friction", "motor"),
+        ("compliance", "joint"),
+        ("gravity", "joint"),
+        ("lag", "worm"),
+    )
+    findings = [{"physics": physics, "place": place} for physics, place in said]
+    error = {"rmse": {"theta": 0.5}}
+    told = {
+        "verdict": "physics_missing",
+        "findings": findings,
+        "fit": {"held_out": {"before": error, "after": error}},
+    }
+    answer = tmp_path / "lowerleg_stance_all.json"
+    answer.write_text(json.dumps(told), "utf-8")
+    found = telling(answer)
+    assert found.pieces == {
+        "worm": Told.KIND,
+        "tendons": Told.RIGHT,
+        "link": Told.SILENT,
+        "filter": Told.SILENT,  # at a place where no filter can be
+    }
+    assert found.beside == ("gravity at joint", "lag at worm")
+    assert concealed_in("upperleg_flight_all") == ("worm", "link", "filter")
