@@ -81,3 +81,13 @@ def test_a_law_with_a_name_shows_its_numbers_at_once():
     html = report_html(cart_diagnosis())
     assert "20.41 ± 0.12 N" in facts(html, "F_c")
     assert "points of the curve" not in html
+
+
+def test_the_picture_of_a_law_says_what_its_points_do_not_count_in():
+    found = cart_diagnosis()
+    (first,) = found.findings
+    later = replace(first, physics="sensor_bias", place="velocity")
+    html = report_html(replace(found, findings=(first, later)))
+    assert "found afterwards (sensor bias at velocity), so the points may" in html
+    html = report_html(replace(found, findings=(later, first)))
+    assert "found afterwards" not in html

@@ -130,7 +130,7 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "units": {m.name: unit_words(m.unit) for m in model.measurements},
         "recordings": recording_charts(diagnosis),
         "experiment": experiment_picture(diagnosis.experiment),
-        "laws": [law_picture(law) for law in diagnosis.recovered],
+        "laws": [law_picture(law, diagnosis.findings) for law in diagnosis.recovered],
         "parameters": parameter_rows(diagnosis),
         "changes": describe_difference(before, model),
         "model_text": to_python(model),

@@ -1,11 +1,12 @@
 """Recovered laws on the page: the cloud, the law found, and the others judged there."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from bondgraph.diagnosis.answer.wording import name_of
-from bondgraph.diagnosis.records import RecoveredLaw
+from bondgraph.diagnosis.records import Finding, RecoveredLaw
 from bondgraph.reporting.charts import Array, Chart, Curve, chart
 from bondgraph.reporting.wording import number_words, unit_words
 
@@ -23,6 +24,8 @@ class LawPicture:
         CSS class and words of each line.
     rows
         Argument, law and other laws at some places of the range visited.
+    later
+        What was found afterwards and is not in the model that the points come from.
     """
 
     law: RecoveredLaw
@@ -30,10 +33,11 @@ class LawPicture:
     key: tuple[tuple[str, str], ...]
     headings: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
+    later: tuple[str, ...]
 
 
-def law_picture(law: RecoveredLaw) -> LawPicture:
-    """Return everything the page shows of a recovered law."""
+def law_picture(law: RecoveredLaw, findings: Sequence[Finding] = ()) -> LawPicture:
+    """Return everything the page shows of a recovered law, one of `findings`."""
     drawn = [("the law found", "after", law.curve_argument, law.curve_value)]
     drawn += [
         (f"{name_of(other.physics)} instead", f"rival{k}", other.argument, other.value)
@@ -59,7 +63,16 @@ def law_picture(law: RecoveredLaw) -> LawPicture:
         ),
         headings=tuple(words for words, *_ in lines),
         rows=_rows(lines),
+        later=_later(law, findings),
     )
+
+
+def _later(law: RecoveredLaw, findings: Sequence[Finding]) -> tuple[str, ...]:
+    places = [finding.place for finding in findings]
+    if law.place not in places:
+        return ()
+    after = findings[places.index(law.place) + 1 :]
+    return tuple(f"{name_of(one.physics)} at {one.place}" for one in after)
 
 
 def _chart(law: RecoveredLaw, curves: list[Curve]) -> Chart:
