@@ -26,6 +26,9 @@ TRIED = (0.05, 0.4)
 REFITTED, ITERATIONS, ENTERING = 3, 5, 3
 """Best candidates refitted, steps of a refit, effects at most."""
 
+PROMISING = 3.0
+"""Gain in the log likelihood's double to first order, below which none is refitted."""
+
 STEP = 1e-3
 LARGEST_STEP = 0.5
 SETTLED = 1e-3
@@ -105,9 +108,9 @@ def stepwise_by_bic(base: FittedBase) -> Said:
     library = [s for s in machine.sites if not s.silent and law_of(s) not in OUTSIDE]
     chosen = Believed(base, scales_of(machine, [p.plan for p in base.train]))
     for _ in range(ENTERING):
-        ranked = _ranked(chosen, [s for s in library if s not in chosen.sites])
+        ranked = _promising(chosen, [s for s in library if s not in chosen.sites])
         tried = [one.refitted() for one in ranked[:REFITTED]]
-        best = min(tried, key=lambda one: rms(one.residuals()))
+        best = min(tried, key=lambda one: rms(one.residuals()), default=chosen)
         if not worth_it(chosen.residuals(), best.residuals(), len(machine.sensors)):
             break
         chosen = best
@@ -133,28 +136,27 @@ def effective(residual: Array, outputs: int) -> float:
     return float(np.sum(len(series) * (1.0 - lag) / (1.0 + lag)))
 
 
-def _ranked(believed: Believed, sites: Sequence[Site]) -> list[Believed]:
-    """Return the model with each site at its best trial size, most promising first."""
+def _promising(believed: Believed, sites: Sequence[Site]) -> list[Believed]:
+    """Return the model with each site at its best trial size, the best first."""
     rest = believed.residuals()
     own, _ = np.linalg.qr(believed.tangents(rest))
+    free = rest - own @ (own.T @ rest)
+    count = effective(free, len(believed.base.machine.sensors))
     found = []
     for site in sites:
         trials = []
         for share in TRIED:
-            one = replace(
-                believed,
-                sites=(*believed.sites, site),
-                shares=(*believed.shares, share),
-            )
+            more = (*believed.sites, site)
+            one = replace(believed, sites=more, shares=(*believed.shares, share))
             change = one.residuals() - rest
             change -= own @ (own.T @ change)
-            free = rest - own @ (own.T @ rest)
             size = float(change @ change)
             scale = min(max(-float(change @ free) / size, 0.0), 3.0) if size else 0.0
             left = free + scale * change
-            start = replace(
-                one, shares=(*believed.shares, min(max(scale * share, 1e-3), 1.0))
-            )
+            begin = min(max(scale * share, 1e-3), 1.0)
+            start = replace(one, shares=(*believed.shares, begin))
             trials.append((float(left @ left), start))
         found.append(min(trials, key=lambda trial: trial[0]))
+    enough = float(free @ free) * np.exp(-PROMISING / count)
+    found = [one for one in found if one[0] < enough]
     return [one for _, one in sorted(found, key=lambda trial: trial[0])]
