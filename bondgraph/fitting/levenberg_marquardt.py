@@ -46,7 +46,8 @@ class Optimum:
     """Where the iteration ended.
 
     ``linearisation`` is at the optimum; ``cost`` includes the prior; ``converged`` is
-    False at the iteration limit.
+    False at the iteration limit; ``lost`` counts the steps refused because nothing
+    could be simulated there.
     """
 
     theta: Array
@@ -55,6 +56,7 @@ class Optimum:
     cost: float
     iterations: int
     converged: bool
+    lost: int = 0
 
 
 def settle(
@@ -188,12 +190,12 @@ def minimise(
     cost = total_cost(problem, here, theta)
     told = TOLD_STD**2 / int(problem.measured.sum())
     share = min(RELATIVE_DECREASE, told) if tolerance is None else tolerance
-    damping, small, done = 1e-4, 0, 0
+    damping, small, done, lost = 1e-4, 0, 0, 0
     for done in range(1, iterations + 1):
         step = next_step(problem, here, theta, initial, damping)
         near = 0.0 <= step.decrease <= EXACT * share * cost
         if near and damping <= GAUSS_NEWTON and np.isfinite(cost):
-            return Optimum(theta, initial, here, cost, done, converged=True)
+            return Optimum(theta, initial, here, cost, done, True, lost)
         new = linearise_windows(problem, step.theta, step.initial)
         step, new = _repair(problem, step, new, initial, here.cost)
         new_cost = total_cost(problem, new, step.theta)
@@ -204,12 +206,13 @@ def minimise(
             theta, initial, here, cost = step.theta, step.initial, new, new_cost
             damping = max(damping / 8, 1e-12)
             if small >= 2 or cost == 0.0:
-                return Optimum(theta, initial, here, cost, done, converged=True)
+                return Optimum(theta, initial, here, cost, done, True, lost)
         else:
+            lost += not np.isfinite(new_cost)
             if new_cost <= cost * (1 + 1e-9):
                 small += 1
             damping *= 10
             if small >= 2 or damping > LARGEST_DAMPING:
                 finite = bool(np.isfinite(cost))
-                return Optimum(theta, initial, here, cost, done, converged=finite)
-    return Optimum(theta, initial, here, cost, done, converged=False)
+                return Optimum(theta, initial, here, cost, done, finite, lost)
+    return Optimum(theta, initial, here, cost, done, False, lost)

@@ -100,8 +100,11 @@ class Tape:
         return self.n_variables + len(self.constants) + len(self.code)
 
 
-class _Recorder:
-    """Writes operations once, and remembers in which slot each expression lives."""
+class Recorder:
+    """Writes operations once, and remembers in which slot each expression lives.
+
+    Until the end constants have slots below zero, and operations those from 10**9.
+    """
 
     def __init__(self, slots: Mapping[sympy.Symbol, int]) -> None:
         self.slots: dict[sympy.Basic, int] = dict(slots)
@@ -110,6 +113,7 @@ class _Recorder:
         self._known: dict[tuple[int, int, int, int], int] = {}
 
     def constant(self, value: float) -> int:
+        """Return the slot of a constant."""
         return -1 - self.constants.setdefault(value, len(self.constants))
 
     def emit(self, op: Op, a: int, b: int = 0, c: int = 0) -> int:
@@ -120,7 +124,29 @@ class _Recorder:
             self.code.append(key)
         return self._known[key]
 
+    def tape(self, n_variables: int, results: Sequence[int]) -> Tape:
+        """Return the tape of `results`, with all that was written and no degrees."""
+        shift = n_variables + len(self.constants) - 10**9
+
+        def final(slot: int) -> int:
+            if slot < 0:
+                return n_variables - 1 - slot
+            return slot if slot < 10**9 else slot + shift
+
+        code = [
+            (op, final(a), b if op == _POWI else final(b), final(c))
+            for op, a, b, c in self.code
+        ]
+        return Tape(
+            n_variables=n_variables,
+            constants=np.array(list(self.constants), dtype=np.float64),
+            code=np.array(code, dtype=np.int64).reshape(-1, 4),
+            outputs=np.array([final(slot) for slot in results], dtype=np.int64),
+            degree=np.zeros(0, dtype=np.int64),
+        )
+
     def slot(self, expression: sympy.Basic) -> int:
+        """Return the slot of an expression, written where it is not yet."""
         if expression not in self.slots:
             self.slots[expression] = self._write(expression)
         return self.slots[expression]
@@ -273,28 +299,11 @@ def record_tape(
     EquationError
         If an expression contains an unknown symbol or function.
     """
-    recorder = _Recorder({symbol: i for i, symbol in enumerate(variables)})
+    recorder = Recorder({symbol: i for i, symbol in enumerate(variables)})
     for symbol, expression in _needed(definitions, expressions):
         recorder.slots[symbol] = recorder.slot(expression)
     raw = [recorder.slot(expression) for expression in expressions]
-    n = len(variables)
-    shift = n + len(recorder.constants) - 10**9
-
-    def final(slot: int) -> int:
-        return n - 1 - slot if slot < 0 else slot if slot < 10**9 else slot + shift
-
-    powi = int(Op.POWI)
-    code = [
-        (op, final(a), b if op == powi else final(b), final(c))
-        for op, a, b, c in recorder.code
-    ]
-    tape = Tape(
-        n_variables=n,
-        constants=np.array(list(recorder.constants), dtype=np.float64),
-        code=np.array(code, dtype=np.int64).reshape(-1, 4),
-        outputs=np.array([final(slot) for slot in raw], dtype=np.int64),
-        degree=np.zeros(0, dtype=np.int64),
-    )
+    tape = recorder.tape(len(variables), raw)
     return replace(tape, degree=degrees(tape, [active(v) for v in variables]))
 
 
@@ -328,7 +337,7 @@ def part(tape: Tape, first: int, last: int, active: Sequence[bool]) -> Tape:
         used[slot] = 1
     for i in range(len(old) - 1, -1, -1):
         if used[start + i]:
-            for slot in _arguments(old[i]):
+            for slot in arguments(old[i]):
                 used[slot] = 1
     kept = [k for k in range(len(tape.constants)) if used[n + k]]
     where = list(range(n)) + [0] * (tape.n_slots - n)
@@ -350,7 +359,7 @@ def part(tape: Tape, first: int, last: int, active: Sequence[bool]) -> Tape:
     return replace(shorter, degree=degrees(shorter, active))
 
 
-def _arguments(operation: Sequence[int]) -> Sequence[int]:
+def arguments(operation: Sequence[int]) -> Sequence[int]:
     """Return the slots that an operation reads."""
     op, a, b, c = operation
     if op == _SELECT:

@@ -16,7 +16,7 @@ from bondgraph.equations.derivation import derive
 from bondgraph.errors import ParameterError, RecordingError, did_you_mean
 from bondgraph.numeric.model import NumericModel, compile_model
 from bondgraph.recordings.binding import BoundRecording
-from bondgraph.simulation.native_shooting import refuse_implicit
+from bondgraph.simulation.native_shooting import stepped_explicitly
 from bondgraph.simulation.shooting import shoot
 from bondgraph.simulation.shots import Shots, as_loops_take
 from bondgraph.simulation.solvers import Hold, RungeKutta4, Solver
@@ -149,8 +149,8 @@ def _in_lanes(
     from bondgraph.numeric.native.lanes import LANES, integrate_lanes  # noqa: PLC0415  (numba)
     from bondgraph.numeric.native.model import native_model  # noqa: PLC0415  (LLVM)
 
-    refuse_implicit(model)
-    native = native_model(model, sensitive=False, explicit=True, lanes=LANES)
+    model = stepped_explicitly(model)
+    native = native_model(model, along=None, explicit=True, lanes=LANES, optimised=True)
 
     def some(simulated: Array, done: Integers, first: int, last: int) -> None:
         integrate_lanes(

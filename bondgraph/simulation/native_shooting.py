@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from bondgraph.equations.hard_contact import refuse_hard_contact
 from bondgraph.errors import EquationError
+from bondgraph.numeric.explicit_form import explicit_form
 from bondgraph.numeric.model import NumericModel
 from bondgraph.simulation.solvers import RungeKutta4, Sdirk2, Sdirk3
 from bondgraph.simulation.threads import in_parallel
@@ -16,6 +17,9 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 WORTH_A_THREAD = 2000
 """Samples; a shorter simulation ends before a thread has begun."""
+
+WORTH_OPTIMISING = 20_000
+"""Samples; a fit to fewer ends before optimised code has won back its time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,9 +70,15 @@ def run_native(
 
     explicit = isinstance(solver, RungeKutta4)
     if explicit:
-        refuse_implicit(model)
-    native = native_model(model, sensitive=directions is not None, explicit=explicit)
-    n, nx, ny = len(windows.time), model.n_states, len(model.output_names)
+        model = stepped_explicitly(model)
+    n = len(windows.time)
+    native = native_model(
+        model,
+        along=None if directions is None else set(directions.tolist()),
+        explicit=explicit,
+        optimised=n > WORTH_OPTIMISING,
+    )
+    nx, ny = model.n_states, len(model.output_names)
     wanted = np.zeros(0, np.int64) if directions is None else directions
     rows = 0 if directions is None else n
     run = NativeRun(
@@ -117,10 +127,17 @@ def _share(simulate: Callable[[int, int], None], windows: int, samples: int) -> 
         in_parallel(simulate, windows)
 
 
-def refuse_implicit(model: NumericModel) -> None:
-    """Refuse a model that an explicit method cannot step; says why."""
-    from bondgraph.numeric.native.model import is_explicit  # noqa: PLC0415  (LLVM)
+def suits_explicit(model: NumericModel) -> bool:
+    """Return whether an explicit method can step a model: nothing in it sticks.
 
+    Says nothing about stiffness.
+    """
+    held = model.contacts is not None or model.set_valued is not None
+    return not held and model.n_states > 0 and explicit_form(model) is not None
+
+
+def stepped_explicitly(model: NumericModel) -> NumericModel:
+    """Return the model solved for its rates; refuse one that cannot be, saying why."""
     if model.contacts is not None:
         refuse_hard_contact(
             model.name, model.contacts.places, "whose force an explicit method lacks"
@@ -132,10 +149,12 @@ def refuse_implicit(model: NumericModel) -> None:
             (model.name,),
             "Use Sdirk2() or Sdirk3(), or write tanh(f / slip) instead of sign(f).",
         )
-    if not is_explicit(model):
+    form = explicit_form(model)
+    if form is None:
         raise EquationError(
             f"The rates of {model.name!r} are only given implicitly "
             f"({model.n_unknowns} unknowns besides them).",
             (model.name,),
             "Use Sdirk2() or Sdirk3(), which solve for them.",
         )
+    return form

@@ -67,8 +67,8 @@ class Sdirk3:
 class RungeKutta4:
     """The classical explicit method, four stages, order 4 (Kutta, 1901).
 
-    For models that are plain differential equations. The fastest where nothing is
-    stiff: a step longer than 2.7 of the shortest time constant is unstable.
+    For models that are plain differential equations, or become so once unknowns that
+    enter linearly have been eliminated. The fastest where nothing is stiff: a step longer than 2.7 of the shortest time constant is unstable.
 
     Parameters
     ----------

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from bondgraph.numeric.held_modes import with_modes_given
 from bondgraph.numeric.model import NumericModel
 from bondgraph.simulation.engines import Engine
+from bondgraph.simulation.native_shooting import WORTH_OPTIMISING
 from bondgraph.simulation.shots import Shots
 from bondgraph.simulation.solvers import Implicit
 from bondgraph.simulation.threads import in_parallel
@@ -132,7 +133,11 @@ def _fast(
     form, held = model.set_valued, with_modes_given(model)
     if form is None or held is None or not engine.compiles(held, samples):
         return Fast(NativeSystem(*(0,) * 13, False, False), 0, False), None
-    native = native_model(held, sensitive=sensitive)
+    native = native_model(
+        held,
+        along=range(len(held.parameter_names)) if sensitive else None,
+        optimised=samples > WORTH_OPTIMISING,
+    )
     arguments = compiled_text(module_text([values_of(form.arguments, "arguments")]))
     fast = Fast(native.system, arguments["arguments"], True)
     return fast, (native, arguments)

@@ -7,6 +7,7 @@ import numpy as np
 
 from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.posing import light, thinned
+from bondgraph.diagnosis.search.steps import solver_named
 from bondgraph.diagnosis.search.surrogates import Baseline
 from bondgraph.diagnosis.search.trying import Start, Trial, restored
 from bondgraph.diagnosis.work.journal import Plain, fingerprint
@@ -71,10 +72,15 @@ def _told(trial: Trial) -> str:
     starts = [(sorted(s.values.items()), s.initial) for s in trial.starts]
     states = [np.zeros(0) if initial is None else initial for _, initial in starts]
     values = [v for v, _ in starts]
-    return fingerprint(trial.hypothesis, values, trial.enough, trial.chunks, *states)
+    solvers = [str(s.solver) for s in trial.starts]
+    return fingerprint(
+        trial.hypothesis, values, solvers, trial.enough, trial.chunks, *states
+    )
 
 
 def ended(trial: Trial, result: Plain) -> Trial:
     """Return the trial that starts where the fit of another ended."""
-    start = Start(result["values"], np.array(result["initial"]))
+    start = Start(
+        result["values"], np.array(result["initial"]), solver_named(*result["solver"])
+    )
     return Trial(trial.hypothesis, (start,), chunks=trial.chunks)

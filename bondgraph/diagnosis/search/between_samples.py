@@ -10,11 +10,16 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.search.steps import (
+    MOST_SUBSTEPS,
+    explicit_steps,
+    left,
+    step_error,
+)
 from bondgraph.fitting.estimate import FitSettings, FittedModel, fit_model
 from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.recordings.binding import BoundRecording
-from bondgraph.simulation.accuracy import halved_step_difference
-from bondgraph.simulation.solvers import Hold, Solver
+from bondgraph.simulation.solvers import Hold, RungeKutta4, Sdirk2, Solver
 from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
@@ -24,7 +29,6 @@ FITS_BETTER = 0.98
 OF_NOISE, OF_RESIDUAL = 0.3, 0.03
 """Of the noise and of what the model leaves: a step's error below these is fine."""
 
-MOST_SUBSTEPS = 16
 ITERATIONS = 30
 
 
@@ -42,19 +46,31 @@ def fitted_either_way(
 
 
 def finely_stepped(fitted: FittedModel, noise: Array) -> FittedModel:
-    """Return the model with so many steps per sample that half of one changes nothing.
+    """Return the model with such steps that half of one changes nothing.
+
+    Explicit ones where they do, for they are many times cheaper.
 
     Parameters
     ----------
     noise
         Standard deviation per output, 0 where it is not known.
     """
-    while fitted.problem.model.n_states and not _is_fine(fitted, noise):
+    if not fitted.problem.model.n_states:
+        return fitted
+    explicit = explicit_steps(fitted.problem, fitted.optimum, _fine(fitted, noise))
+    if explicit == fitted.problem.solver:
+        return fitted
+    if explicit is not None:
+        return simulated_as(fitted, explicit, fitted.problem.hold)
+    if isinstance(fitted.problem.solver, RungeKutta4):
+        fitted = simulated_as(fitted, Sdirk2(), fitted.problem.hold)
+    while not _is_fine(fitted, noise):
         solver = fitted.problem.solver
-        if solver.substeps >= MOST_SUBSTEPS:
-            break
         finer = replace(solver, substeps=2 * solver.substeps)
-        fitted = simulated_as(fitted, finer, fitted.problem.hold)
+        stepped = simulated_as(fitted, finer, fitted.problem.hold)
+        if stepped is fitted:
+            break
+        fitted = stepped
     return fitted
 
 
@@ -82,16 +98,13 @@ def simulated_as(fitted: FittedModel, solver: Solver, hold: Hold) -> FittedModel
 
 
 def _is_fine(fitted: FittedModel, noise: Array) -> bool:
-    problem = fitted.problem
-    if problem.solver.substeps >= MOST_SUBSTEPS:
+    if fitted.problem.solver.substeps >= MOST_SUBSTEPS:
         return True
-    change = halved_step_difference(
-        problem.model,
-        problem.shots,
-        parameters=fitted.parameters,
-        initial=fitted.optimum.initial,
-        solver=problem.solver,
-        hold=problem.hold,
-    )
-    left = np.sqrt(np.nanmean(fitted.residuals() ** 2, axis=0))
-    return bool(np.all(change <= np.maximum(OF_NOISE * noise, OF_RESIDUAL * left)))
+    change = step_error(fitted.problem, fitted.optimum.theta, fitted.optimum.initial)
+    return bool(np.all(change <= _fine(fitted, noise)))
+
+
+def _fine(fitted: FittedModel, noise: Array) -> Array:
+    """Return the error of a step, per output, that is none."""
+    residual = left(fitted.problem, fitted.optimum.linearisation)
+    return np.maximum(OF_NOISE * noise, OF_RESIDUAL * residual)

@@ -11,6 +11,7 @@ import numpy as np
 
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import CURVE, Candidate, Promised
+from bondgraph.diagnosis.search.steps import solver_named
 from bondgraph.diagnosis.search.trying import Start, Trial, fit_briefly, fit_fully
 from bondgraph.physics.hypothesis import Hypothesis
 
@@ -57,7 +58,16 @@ def fit_best(
     ][:most]
     same = bench.few is bench.base
     starts = [
-        Trial(h, (Start(r["values"], np.array(r["initial"]) if same else None),))
+        Trial(
+            h,
+            (
+                Start(
+                    r["values"],
+                    np.array(r["initial"]) if same else None,
+                    solver_named(*r["solver"]),
+                ),
+            ),
+        )
         for _, h, r in kept
     ]
     fitted = bench.run(fit_fully, starts, "fits")
@@ -85,7 +95,9 @@ def _related(
     wider = [
         h for h in hypotheses if id(h) not in kept and _contains(h, leading.hypothesis)
     ][:WIDER]
-    there = Start(_shared(leading), leading.fitted.optimum.initial)
+    there = Start(
+        _shared(leading), leading.fitted.optimum.initial, leading.fitted.problem.solver
+    )
     trials += [Trial(hypothesis, (there,)) for hypothesis in wider]
     if not trials:
         return candidates
@@ -129,4 +141,5 @@ def _from_relative(own: Candidate, other: Candidate) -> Start:
         # A coefficient without a unit is the same seen from either side of a gear.
         if name != twin and own.fitted.graph.parameters[name].unit == "1":
             shared[name] = shared[twin]
-    return Start(shared, other.fitted.optimum.initial)
+    problem = other.fitted.problem
+    return Start(shared, other.fitted.optimum.initial, problem.solver)

@@ -9,8 +9,11 @@ from numpy.typing import NDArray
 from bondgraph.fitting.estimate import FittedModel, pose, prepare
 from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.fitting.problem import FitProblem, Linearisation
+from bondgraph.numeric.model import NumericModel
 from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.simulation.native_shooting import suits_explicit
 from bondgraph.simulation.shooting import Shots
+from bondgraph.simulation.solvers import RungeKutta4, Sdirk2, Solver
 
 Array = NDArray[np.float64]
 SCREENED = 20_000
@@ -20,10 +23,24 @@ PIECES = 10
 THINNED_ITERATIONS = 5
 
 
-def pose_hypothesis(base: FittedModel, hypothesis: Hypothesis) -> FitProblem:
+def suited(solver: Solver, model: NumericModel) -> Solver:
+    """Return the solver, or an implicit one where a model's rates need it."""
+    if isinstance(solver, RungeKutta4) and not suits_explicit(model):
+        return Sdirk2()
+    return solver
+
+
+def pose_hypothesis(
+    base: FittedModel, hypothesis: Hypothesis, solver: Solver | None = None
+) -> FitProblem:
     """Return the fit of the model with the hypothesis to the base model's data.
 
     The prior keeps its centre at the values before the base fit.
+
+    Parameters
+    ----------
+    solver
+        The base model's, where it suits, when None.
     """
     graph = hypothesis.apply(base.graph)
     model = prepare(graph)
@@ -34,7 +51,8 @@ def pose_hypothesis(base: FittedModel, hypothesis: Hypothesis) -> FitProblem:
         start.get(name, value)
         for name, value in zip(model.parameter_names, problem.start, strict=True)
     ]
-    return replace(problem, start=np.array(centre))
+    chosen = suited(old.solver if solver is None else solver, model)
+    return replace(problem, start=np.array(centre), solver=chosen)
 
 
 def thetas(

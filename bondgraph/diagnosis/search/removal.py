@@ -13,7 +13,7 @@ import numpy as np
 from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.evidence.gain import compare
 from bondgraph.diagnosis.evidence.left_out import chunk_count, left_out_errors
-from bondgraph.diagnosis.search.posing import initial_states
+from bondgraph.diagnosis.search.posing import initial_states, suited
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel, pose, prepare
 from bondgraph.fitting.levenberg_marquardt import minimise
@@ -88,7 +88,8 @@ def fitted_with(
     centre = dict(zip(old.model.parameter_names, old.start, strict=True))
     names = model.parameter_names
     start = [centre.get(n, v) for n, v in zip(names, problem.start, strict=True)]
-    problem = replace(problem, start=np.array(start))
+    solver = suited(old.solver, model)
+    problem = replace(problem, start=np.array(start), solver=solver)
     # What the additions had replaced has its value in the first model only.
     known = {**values, **first.values, **fitted.values}
     theta = np.array([known[names[i]] for i in problem.free])

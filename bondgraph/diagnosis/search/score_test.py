@@ -7,14 +7,16 @@ added parameters and S their curvature once all others have been projected out (
 Proceedings of the Cambridge Philosophical Society 44, 1948).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.search.steps import OF_CANDIDATE
 from bondgraph.diagnosis.search.surrogates import Baseline, orthonormal, sensitivities
 from bondgraph.fitting.problem import FitProblem
 from bondgraph.fitting.steps import bounded_step
+from bondgraph.simulation.solvers import Sdirk2
 
 Array = NDArray[np.float64]
 OWN = 1e-5
@@ -45,7 +47,12 @@ def score_test(
     added
         Which of the free parameters are added; steps of these stay within bounds.
     """
-    jacobian = sensitivities(problem, theta, initial, problem.free[added])
+    about = problem.free[added]
+    jacobian, residuals = sensitivities(problem, theta, initial, about)
+    if not _silent(baseline, residuals):
+        # What has no effect but can be stiff needs the implicit method.
+        implicit = replace(problem, solver=Sdirk2())
+        jacobian, _ = sensitivities(implicit, theta, initial, about)
     whole = jacobian.reshape(-1, int(added.sum()))
     low = (problem.low[problem.free] - theta)[added]
     high = (problem.high[problem.free] - theta)[added]
@@ -61,6 +68,13 @@ def score_test(
     return Score(
         1.0 - float(left @ left) / power, _chance(baseline, columns, low, high)
     )
+
+
+def _silent(baseline: Baseline, residuals: Array) -> bool:
+    """Return whether an addition without effect leaves the base model's residual."""
+    own = baseline.residuals
+    change = np.linalg.norm(residuals - own, axis=0)
+    return bool(np.all(change <= OF_CANDIDATE * np.linalg.norm(own, axis=0)))
 
 
 def _chance(baseline: Baseline, columns: Array, low: Array, high: Array) -> Array:

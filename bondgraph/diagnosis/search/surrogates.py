@@ -51,7 +51,7 @@ class Baseline:
     @cached_property
     def _jacobian(self) -> Array:
         optimum = self.fitted.optimum
-        return sensitivities(self.quick.problem, optimum.theta, optimum.initial)
+        return sensitivities(self.quick.problem, optimum.theta, optimum.initial)[0]
 
     @cached_property
     def _initial(self) -> list[Array]:
@@ -120,16 +120,17 @@ def sensitivities(
     theta: Array,
     initial: Array,
     about: NDArray[np.int64] | None = None,
-) -> Array:
-    """Return the scaled sensitivities of the outputs, (n, ny, nq + nx).
+) -> tuple[Array, Array]:
+    """Return the scaled sensitivities of the outputs, (n, ny, nq + nx), and residuals.
 
     Parameters
     ----------
     about
         Parameters, by index, to which alone they are wanted.
     """
-    found = [part.jacobian for part in parts(problem, theta, initial, about)]
-    return np.concatenate(found)
+    found = list(parts(problem, theta, initial, about))
+    jacobian = np.concatenate([part.jacobian for part in found])
+    return jacobian, np.concatenate([part.residuals for part in found])
 
 
 def orthonormal(columns: Array) -> Array:

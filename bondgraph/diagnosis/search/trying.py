@@ -19,6 +19,7 @@ from bondgraph.diagnosis.search.posing import (
     thetas,
 )
 from bondgraph.diagnosis.search.score_test import score_test
+from bondgraph.diagnosis.search.steps import faithful
 from bondgraph.diagnosis.search.surrogates import Baseline
 from bondgraph.diagnosis.work.journal import Plain
 from bondgraph.errors import BondGraphError
@@ -30,6 +31,7 @@ from bondgraph.fitting.levenberg_marquardt import (
 )
 from bondgraph.fitting.problem import FitProblem
 from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.simulation.solvers import Solver
 
 Array = NDArray[np.float64]
 PROMISE_ITERATIONS = 5
@@ -45,11 +47,13 @@ TOLERANCE = 1e-4
 class Start:
     """Where a fit starts: values by name before those of the base fit.
 
-    Initial states are fitted anew where there are none, or none that fit.
+    Initial states are fitted anew where there are none, or none that fit. A solver is
+    known where a fit has ended.
     """
 
     values: Mapping[str, float]
     initial: Array | None = None
+    solver: Solver | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +105,7 @@ def promise(baseline: Baseline, trial: Trial) -> Plain:
                 "by_chance": [round(float(share), 6) for share in chance],
             }
         problem = pose_hypothesis(base, hypothesis)
-        best = _best(base, trial, problem, PROMISE_ITERATIONS)
+        best, _ = _best(base, trial, problem, PROMISE_ITERATIONS)
         return {"promised": float(1.0 - best.cost / base.optimum.cost)}
 
     return _or_refused(promised)
@@ -127,44 +131,43 @@ def _or_refused(work: Any) -> Plain:
 
 
 def _fitted(base: FittedModel, trial: Trial, iterations: int) -> Plain:
-    problem = pose_hypothesis(base, trial.hypothesis)
-    best = _best(base, trial, problem, iterations)
+    known = next((start.solver for start in trial.starts), None)
+    problem = pose_hypothesis(base, trial.hypothesis, known)
+    best, solver = _best(base, trial, problem, iterations)
     names = [problem.model.parameter_names[i] for i in problem.free]
     return {
         "values": dict(zip(names, map(float, best.theta), strict=True)),
         "initial": best.initial.tolist(),
         "cost": best.cost,
         "converged": best.converged,
+        "solver": [type(solver).__name__, solver.substeps],
     }
 
 
 def _best(
     base: FittedModel, trial: Trial, problem: FitProblem, iterations: int
-) -> Optimum:
-    """Return the best of fits from every start, or the first that is good enough."""
+) -> tuple[Optimum, Solver]:
+    """Return the best of fits from every start, or the first that is good enough.
+
+    And the solver that it took.
+    """
     best: Optimum | None = None
+    solver = problem.solver
     for theta, initial in _begin(base, trial, problem):
-        found = minimise(
-            problem, theta, initial, iterations=iterations, tolerance=TOLERANCE
-        )
-        if best is None or found.cost < best.cost:
-            best = found
+        found = faithful(problem, theta, initial, iterations, TOLERANCE)
+        if best is None or found.optimum.cost < best.cost:
+            best, solver = found.optimum, found.solver
         if best.cost <= (1.0 - trial.enough) * base.optimum.cost:
             break
     else:
         if best is not None and trial.enough < 1.0 and not best.converged:
-            best = minimise(
-                problem,
-                best.theta,
-                best.initial,
-                iterations=LONGER,
-                tolerance=TOLERANCE,
-                settled=best.linearisation,
-            )
+            last = replace(problem, solver=solver)
+            found = faithful(last, best.theta, best.initial, LONGER, TOLERANCE)
+            best, solver = found.optimum, found.solver
     if best is None or not np.isfinite(best.cost):
         name = f"{trial.hypothesis.physics} at {trial.hypothesis.place}"
         raise BondGraphError(f"{name} could not be simulated.", (name,))
-    return best
+    return best, solver
 
 
 def _begin(
@@ -199,7 +202,8 @@ def restored(base: FittedModel, trial: Trial) -> FittedModel:
 
     One simulation: a fit is told by its parameters and initial states alone.
     """
-    problem = pose_hypothesis(base, trial.hypothesis)
+    (start,) = trial.starts
+    problem = pose_hypothesis(base, trial.hypothesis, start.solver)
     ((theta, initial),) = _begin(base, trial, problem)
     optimum = replace(
         minimise(problem, theta, initial, iterations=0), iterations=1, converged=True

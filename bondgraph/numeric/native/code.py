@@ -144,8 +144,12 @@ class Writer:
             self.values.append(self._value(Op(op), a, b, c))
 
     def write_rows(self, columns: Sequence[int]) -> None:
-        """Write the slopes of every slot along the variables `columns`."""
-        where, one = {v: k for k, v in enumerate(columns)}, self.code.one
+        """Write the slopes of every slot along the variables `columns`.
+
+        A column that nothing asks for is called -1.
+        """
+        where = {v: k for k, v in enumerate(columns) if v >= 0}
+        one = self.code.one
         n = self.tape.n_variables
         self.rows = [{where[i]: one} if i in where else {} for i in range(n)]
         self.rows += [{}] * len(self.tape.constants)

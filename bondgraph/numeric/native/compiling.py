@@ -1,7 +1,9 @@
 """Native code of a tape, ready in milliseconds: LLVM compiles its assembly.
 
 LLVM comes with numba; nothing is written to disk. Equal tapes are compiled once per
-process, whatever models they belong to.
+process, whatever models they belong to. A tape has no common subexpressions left, so
+that optimising its code makes it a fifth faster at best, and ready twenty times later:
+that is for long simulations.
 """
 
 import re
@@ -38,9 +40,9 @@ class NativeCode:
 
 
 @lru_cache(maxsize=KEPT)
-def compiled_text(text: str) -> NativeCode:
+def compiled_text(text: str, *, optimised: bool = False) -> NativeCode:
     """Compile LLVM assembly; equal texts are compiled once."""
-    keeper = _machine_code(text)
+    keeper = _machine_code(text, 2 if optimised else 0)
     names = re.findall(r"^define void @(\w+)\(", text, re.MULTILINE)
     return NativeCode({n: keeper.get_function_address(n) for n in names}, keeper)
 
@@ -118,7 +120,7 @@ def _stores(real: str, base: str, entries: dict[int, str]) -> list[str]:
     return lines
 
 
-def _machine_code(text: str) -> Any:
+def _machine_code(text: str, level: int) -> Any:
     """Compile assembly for this processor; return the engine that owns the code."""
     import llvmlite.binding as llvm  # type: ignore[import-untyped]  # noqa: PLC0415
 
@@ -126,12 +128,12 @@ def _machine_code(text: str) -> Any:
     llvm.initialize_native_asmprinter()
     module = llvm.parse_assembly(text)
     machine = llvm.Target.from_default_triple().create_target_machine(
-        opt=2,
+        opt=level,
         cpu=llvm.get_host_cpu_name(),
         features=llvm.get_host_cpu_features().flatten(),
         jit=True,
     )
-    options = llvm.create_pipeline_tuning_options(speed_level=2)
+    options = llvm.create_pipeline_tuning_options(speed_level=level)
     builder = llvm.create_pass_builder(machine, options)
     builder.getModulePassManager().run(module, builder)
     engine = llvm.create_mcjit_compiler(module, machine)

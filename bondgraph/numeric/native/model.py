@@ -1,5 +1,6 @@
 """A whole model in native code, as the compiled time loops see it."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
@@ -15,7 +16,7 @@ from bondgraph.numeric.native.compiling import (
     values_of,
 )
 from bondgraph.numeric.native.step import Sizes, step, step_tangents
-from bondgraph.numeric.tape import Tape, degrees
+from bondgraph.numeric.tape import Tape
 
 
 class NativeSystem(NamedTuple):
@@ -74,32 +75,41 @@ class _Written:
 
 
 def native_model(
-    model: NumericModel, *, sensitive: bool, explicit: bool = False, lanes: int = 1
+    model: NumericModel,
+    *,
+    along: Collection[int] | None,
+    explicit: bool = False,
+    lanes: int = 1,
+    optimised: bool = False,
 ) -> NativeModel:
     """Return the native code of a model.
 
     Parameters
     ----------
-    sensitive
-        Whether slopes along the parameters are wanted, too.
+    along
+        Parameters along which slopes are wanted, too; None for no sensitivities.
     explicit
         Whether it is for steps of the classical Runge-Kutta method, or for Newton's.
     lanes
         How many parameter sets are stepped at once (explicit, not sensitive).
+    optimised
+        Whether code that is a little faster is worth waiting for.
     """
     nx, nu, ny = model.n_states, len(model.input_names), len(model.output_names)
     nz, n_parameters = model.n_unknowns, len(model.parameter_names)
-    first = 2 * nx + nz + 2 * nu
+    sizes = Sizes(states=nx, inputs=nu, parameters=n_parameters)
     columns = list(range(2 * nx + nz))
-    if sensitive:
-        columns += range(first, first + n_parameters)
+    if along is not None:
+        shift = 2 * nx + nz + 2 * nu
+        columns += [shift + k if k in along else -1 for k in range(n_parameters)]
     code = _compiled(
         _Written.of(model.dynamics),
         _Written.of(model.output),
-        Sizes(states=nx, inputs=nu, parameters=n_parameters) if explicit else None,
+        sizes if explicit else None,
         tuple(columns),
-        sensitive,
+        None if along is None else frozenset(int(k) for k in along),
         lanes,
+        optimised,
     )
     system = NativeSystem(
         values=code["values"],
@@ -127,26 +137,19 @@ def _compiled(
     output: _Written,
     sizes: Sizes | None,
     columns: tuple[int, ...],
-    sensitive: bool,
+    along: frozenset[int] | None,
     lanes: int,
+    optimised: bool,
 ) -> NativeCode:
     rates, read = dynamics.tape(), output.tape()
     functions = [values_of(rates, "values", lanes)]
-    if sensitive or sizes is None:
+    if along is not None or sizes is None:
         functions.append(slopes_of(rates, "slopes", columns))
-    if sensitive:
+    if along is not None:
         functions.append(slopes_of(read, "read_slopes", columns))
     else:
         functions.append(values_of(read, "read", lanes))
     if sizes is not None:
-        step_function = step_tangents(rates, sizes) if sensitive else None
-        functions.append(step_function or step(rates, sizes, lanes))
-    return compiled_text(module_text(functions, lanes))
-
-
-def is_explicit(model: NumericModel) -> bool:
-    """Return whether ẋ is a function of x, u, p and t alone."""
-    nx = model.n_states
-    active = [False] * model.dynamics.n_variables
-    active[nx : 2 * nx] = [True] * nx
-    return model.n_unknowns == 0 and not degrees(model.dynamics, active).any()
+        moved = None if along is None else step_tangents(rates, sizes, along)
+        functions.append(moved or step(rates, sizes, lanes))
+    return compiled_text(module_text(functions, lanes), optimised=optimised)

@@ -5,7 +5,7 @@ what depends on parameters alone is computed once. The tangents of the step foll
 one loop over the directions.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from bondgraph.numeric.native.code import Assembly, Function, Row, Writer
@@ -110,15 +110,19 @@ def step(tape: Tape, sizes: Sizes, lanes: int = 1) -> Function:
     return Function([head, *code.lines, "  ret void", "}"], code.called)
 
 
-def step_tangents(tape: Tape, sizes: Sizes) -> Function:
+def step_tangents(tape: Tape, sizes: Sizes, along: Collection[int]) -> Function:
     """Return ``void step_tangents(double *v, double *d, int64 stride, int64 n)``.
 
     ``d[i * stride + m]`` is the tangent of state i along direction m; the rows of the
-    parameters follow those of the states and are read only.
+    parameters follow those of the states and are read only. Those of parameters that
+    are not among `along` count as zero.
     """
     code = Assembly()
     first = sizes.first_parameter
-    columns = [*range(sizes.states), *range(first, first + sizes.parameters)]
+    columns = [
+        *range(sizes.states),
+        *(first + k if k in along else -1 for k in range(sizes.parameters)),
+    ]
     stages = step_body(code, tape, sizes, columns)
     for i, value in enumerate(stages.new):
         store(code, "%v", i, value)

@@ -1,0 +1,113 @@
+"""Steps that are fine enough, and as cheap as that allows.
+
+An explicit method takes a machine that is not stiff through a recording many times
+faster than an implicit one, and more accurately. What is added to the machine may make
+it stiff: a fit that ends where half the steps tell another story, or that was turned
+back because nothing could be simulated, is gone on with by an implicit method.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.fitting.levenberg_marquardt import Optimum, minimise
+from bondgraph.fitting.problem import FitProblem, Linearisation, linearise_windows
+from bondgraph.simulation.accuracy import halved_step_difference
+from bondgraph.simulation.native_shooting import suits_explicit
+from bondgraph.simulation.solvers import RungeKutta4, Sdirk2, Sdirk3, Solver
+
+Array = NDArray[np.float64]
+MOST_SUBSTEPS = 16
+EXPLICIT = (1, 2, 4)
+"""Substeps of the explicit method; with more, an implicit one is as cheap."""
+
+OF_CANDIDATE = 0.1
+"""Of what a candidate leaves: a step's error below it decides nothing."""
+
+KINDS: dict[str, type[Solver]] = {
+    kind.__name__: kind for kind in (RungeKutta4, Sdirk2, Sdirk3)
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Faithful:
+    """An optimum, and the solver with which it means something."""
+
+    optimum: Optimum
+    solver: Solver
+
+
+def solver_named(kind: str, substeps: int) -> Solver:
+    """Return a solver from what was kept of it as plain data."""
+    return KINDS[kind](substeps)
+
+
+def step_error(problem: FitProblem, theta: Array, initial: Array) -> Array:
+    """Return how much half the step changes each output; infinite where one fails."""
+    return halved_step_difference(
+        problem.model,
+        problem.shots,
+        parameters=problem.with_parameters(theta),
+        initial=initial,
+        solver=problem.solver,
+        hold=problem.hold,
+    )
+
+
+def left(problem: FitProblem, at: Linearisation) -> Array:
+    """Return what a model leaves of each output, as a root mean square."""
+    found: Array = problem.sigma * np.sqrt(np.nanmean(at.residuals**2, axis=0))
+    return found
+
+
+def explicit_steps(problem: FitProblem, optimum: Optimum, fine: Array) -> Solver | None:
+    """Return the explicit method whose steps' errors are within `fine`, if any is."""
+    if not suits_explicit(problem.model):
+        return None
+    for substeps in EXPLICIT:
+        solver = RungeKutta4(substeps)
+        stepped = replace(problem, solver=solver)
+        if np.all(step_error(stepped, optimum.theta, optimum.initial) <= fine):
+            return solver
+    return None
+
+
+def faithful(
+    problem: FitProblem,
+    theta: Array,
+    initial: Array,
+    iterations: int,
+    tolerance: float,
+) -> Faithful:
+    """Fit, by an implicit method where the explicit one is not to be trusted."""
+    if isinstance(problem.solver, RungeKutta4):
+        here = linearise_windows(problem, theta, initial)
+        if _is_fine(problem, theta, initial, here):
+            found = minimise(
+                problem,
+                theta,
+                initial,
+                iterations=iterations,
+                tolerance=tolerance,
+                settled=here,
+            )
+            at = found.theta, found.initial
+            if not found.lost and _is_fine(problem, *at, found.linearisation):
+                return Faithful(found, problem.solver)
+            theta, initial = at
+        problem = replace(problem, solver=Sdirk2(problem.solver.substeps))
+    found = minimise(
+        problem, theta, initial, iterations=iterations, tolerance=tolerance
+    )
+    return Faithful(found, problem.solver)
+
+
+def _is_fine(
+    problem: FitProblem, theta: Array, initial: Array, here: Linearisation
+) -> bool:
+    """Return whether the error of a step decides nothing about a candidate."""
+    if not np.isfinite(here.cost).all():
+        return False
+    fine = OF_CANDIDATE * left(problem, here)
+    return bool(np.all(step_error(problem, theta, initial) <= fine))
