@@ -68,7 +68,8 @@ class RungeKutta4:
     """The classical explicit method, four stages, order 4 (Kutta, 1901).
 
     For models that are plain differential equations, or become so once unknowns that
-    enter linearly have been eliminated. The fastest where nothing is stiff: a step longer than 2.7 of the shortest time constant is unstable.
+    enter linearly have been eliminated. The fastest where nothing is stiff: a step
+    longer than 2.7 of the shortest time constant is unstable.
 
     Parameters
     ----------
