@@ -6,6 +6,7 @@ curve.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 
 import sympy
@@ -26,8 +27,18 @@ EVEN = 6
 """Knots of any other law."""
 
 
+@dataclass(frozen=True)
 class UnknownRelation(AbstractPhysics):
-    """A free curve of a local variable: flow, effort, displacement, or a command."""
+    """A free curve of a local variable: flow, effort, displacement, or a command.
+
+    Parameters
+    ----------
+    pieces
+        Into how many each stretch between two knots is divided. Few knots find the
+        place; the curve that is shown has as many as the data tell.
+    """
+
+    pieces: int = 1
 
     word = "unknown_relation"
     reference = "piecewise linear interpolation"
@@ -45,11 +56,21 @@ class UnknownRelation(AbstractPhysics):
             yield self._of_input(place)
             yield self._gain(place)
 
+    def _divided(self, knots: tuple[float, ...]) -> tuple[float, ...]:
+        """Return the knots with others evenly between them."""
+        parts = range(self.pieces)
+        between = [
+            low + (high - low) * i / self.pieces
+            for low, high in pairwise(knots)
+            for i in parts
+        ]
+        return (*between, knots[-1])
+
     def _of_input(self, place: InputPlace) -> Hypothesis:
         """Apply a free curve of what is commanded."""
         half = place.peak / 2.0
         size = place.constant("curve_input", place.channel_unit, half)
-        knots = _even(place.scales.range_of(place.name, half), half)
+        knots = self._divided(_even(place.scales.range_of(place.name, half), half))
         heights = tuple(
             place.strength(f"curve_{i}", place.channel_unit) for i in range(len(knots))
         )
@@ -65,7 +86,8 @@ class UnknownRelation(AbstractPhysics):
         other = met(place.junction)
         unit, typical = place.unit(other.quantity), place.scales.of(other.name)
         size = place.constant("curve_met", unit, typical)
-        knots = _even(place.scales.range_of(other.name, typical), typical)
+        visited = place.scales.range_of(other.name, typical)
+        knots = self._divided(_even(visited, typical))
         heights = tuple(place.strength(f"gain_{i}", "1") for i in range(len(knots)))
         curve = _interpolation(other / size.symbol, knots, heights)
         law = place.signal * (1 + curve)
@@ -82,7 +104,7 @@ class UnknownRelation(AbstractPhysics):
     ) -> Hypothesis:
         answer = E if isinstance(place, OneJunctionPlace) else F
         visited = place.scales.range_of(f"{quantity}({place.name})", size)
-        knots = (_turning if quantity is F else _even)(visited, size)
+        knots = self._divided((_turning if quantity is F else _even)(visited, size))
         width = place.constant(f"curve_{quantity}", place.unit(quantity), size)
         unit = place.unit(answer)
         heights = tuple(place.strength(f"curve_{i}", unit) for i in range(len(knots)))

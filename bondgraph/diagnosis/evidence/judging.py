@@ -70,7 +70,7 @@ def judge_all(
     trials = [
         Trial(
             worth[i].hypothesis,
-            (Start(worth[i].fitted.values, worth[i].fitted.optimum.initial),),
+            (_start(worth[i]),),
             chunks=chunks,
         )
         for i in kinds
@@ -91,6 +91,11 @@ def judge_all(
         for i, candidate in zip(first, worth, strict=True)
     ]
     return decide(judged, before, rule, holds)
+
+
+def _start(candidate: Candidate) -> Start:
+    fitted = candidate.fitted
+    return Start(fitted.values, fitted.optimum.initial, fitted.problem.solver)
 
 
 def decide(

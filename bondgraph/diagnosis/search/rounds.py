@@ -32,6 +32,7 @@ from bondgraph.diagnosis.search.candidates import (
     propose_all,
 )
 from bondgraph.diagnosis.search.determined import determined
+from bondgraph.diagnosis.search.finer import as_fine_as_told
 from bondgraph.diagnosis.search.fits import fit_best
 from bondgraph.diagnosis.search.memory import remembering
 from bondgraph.diagnosis.search.removal import pruned
@@ -283,13 +284,16 @@ def _one_round(
         return not after > RUINED * before
 
     verdicts = judge_all(bench, worth, screened.independent, options.rule, noise, holds)
+    first = verdicts.chosen
+    chosen = None if first is None else as_fine_as_told(bench, first)
+    judged = [chosen if j is first and chosen else j for j in verdicts.judged]
     return Round(
         base,
         len(hypotheses),
-        verdicts.judged,
+        tuple(judged),
         screened.promised,
         (*screened.rejected, *undetermined, *forgetful),
-        verdicts.chosen,
+        chosen,
         verdicts.probability,
     )
 
