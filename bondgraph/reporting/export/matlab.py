@@ -144,7 +144,8 @@ def _linear(graph: FinishedGraph, program: Program) -> list[str]:
     except BondGraphError as error:
         return ["", f"  % No linear model: {one_line(str(error))}"]
     n = len(equations.inputs)
-    about = f"  % Linear model around x = 0, u = 0, of the first {n} inputs."
+    some = "" if n == len(program.inputs) else f", of the first {n} inputs"
+    about = f"  % Linear model around x = 0, u = 0{some}."
     matrices = [
         f"  model.{letter} = {_matrix(getattr(system, letter))};" for letter in "ABCD"
     ]
