@@ -162,7 +162,7 @@ def _places(count: int) -> tuple[sympy.Symbol, ...]:
 def _ease_of_form(law: sympy.Expr, argument: sympy.Symbol, output: sympy.Symbol) -> int:
     """Return how easily a law is inverted; large machines repeat few forms of law."""
     slope = law.diff(argument)
-    if slope != 0 and not slope.has(argument):
+    if slope != 0 and not slope.has(argument) and not law.has(sympy.Piecewise):
         return 2
     return 0 if inverse(law, argument, output) is None else 1
 

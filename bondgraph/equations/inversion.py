@@ -8,10 +8,10 @@ can be found where no formula exists. What passes none of them is refused.
 
 import math
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 
 import sympy
 
+from bondgraph.equations.pieces import has_no_jump, joints_of
 from bondgraph.errors import EquationError
 from bondgraph.structure import signals
 from bondgraph.structure.elements import (
@@ -116,18 +116,11 @@ class Laws:
         x, law = relation.argument, relation.expression
         if not isinstance(law, sympy.Piecewise):
             return None
-        pieces: list[tuple[sympy.Expr, sympy.Expr | None]] = []
-        for piece, condition in law.args:
-            edge = _upper_edge(condition, x)
-            if edge is None and condition != sympy.true:
-                return None
-            pieces.append((piece, edge))
-        for (piece, edge), (following, _) in pairwise(pieces):
-            gap = (piece - following).xreplace({x: edge})
-            if edge is None or sympy.simplify(gap) != 0:
-                return None
+        joints = joints_of(law, x)
+        if joints is None or joints.upward < 0:
+            return None
         found = []
-        for piece, edge in pieces:
+        for (piece, _), edge in zip(law.args, (*joints.edges, None), strict=True):
             back = inverse(piece, x, relation.output)
             if back is None or not self._positive(piece.diff(x)):
                 return None
@@ -148,8 +141,8 @@ class Laws:
             If that cannot be shown; the message names the element.
         """
         relation = element.relation
-        slope = relation.expression.diff(relation.argument)
-        if self.rises_or_falls(slope, relation.argument):
+        x, law = relation.argument, relation.expression
+        if has_no_jump(law, x) and self.rises_or_falls(law.diff(x), x):
             return relation
         remedy = f"Write the law as an expression in {relation.output}"
         if isinstance(element, Resistance):
@@ -164,7 +157,10 @@ class Laws:
         )
 
     def rises_or_falls(self, slope: sympy.Expr, argument: sympy.Symbol) -> bool:
-        """Return whether `slope` has one sign, zero at most at single points."""
+        """Return whether `slope` has one sign, zero at most at single points.
+
+        Of a law that jumps the slope says nothing.
+        """
         # x sign(x) is |x|, which sympy does not see by itself
         modulus = {sympy.sign(argument): sympy.Abs(argument) / argument}
         signed = self._with_signs(slope.xreplace(modulus).expand())
@@ -200,11 +196,13 @@ class Laws:
         slopes = sympy.Matrix(
             [[relations[i].expression.diff(x) for x in arguments] for i in unknown]
         )
-        if not slopes.free_symbols & set(arguments):
+        laws = [relations[i].expression for i in unknown]
+        jumps = not all(has_no_jump(law, x) for law in laws for x in arguments)
+        if not (jumps or slopes.free_symbols & set(arguments)):
             return
         for size in range(1, len(unknown) + 1):
             minor = slopes[:size, :size].det()
-            if not self._positive(sympy.expand(minor)):
+            if jumps or not self._positive(sympy.expand(minor)):
                 ports = ", ".join(field.port(i + 1) for i in unknown)
                 raise EquationError(
                     f"The laws of {field.name!r} give {relations[unknown[0]].output}, "
@@ -247,17 +245,6 @@ class Laws:
         if value < 0 and (high <= 0 or math.isinf(high)):
             return sympy.Dummy(negative=True)
         return symbol
-
-
-def _upper_edge(condition: sympy.Basic, x: sympy.Symbol) -> sympy.Expr | None:
-    """Return c if the condition is ``x < c`` or ``x <= c`` with c free of x."""
-    if isinstance(condition, sympy.StrictLessThan | sympy.LessThan):
-        small, large = condition.lhs, condition.rhs
-    elif isinstance(condition, sympy.StrictGreaterThan | sympy.GreaterThan):
-        small, large = condition.rhs, condition.lhs
-    else:
-        return None
-    return large if small == x and not large.has(x) else None
 
 
 def _some_step(*_: sympy.Expr) -> sympy.Symbol:

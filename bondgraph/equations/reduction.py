@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import sympy
 
 from bondgraph.equations.chain_rule import Row
+from bondgraph.equations.pieces import is_in_pieces
 from bondgraph.equations.rational import in_lowest_terms, solved
 from bondgraph.equations.sorting import replaced
 from bondgraph.equations.state_equations import Output, StateEquations
@@ -131,7 +132,8 @@ def _linear_unknowns(
         bad: set[sympy.Symbol] = set()
         for expression in expressions:
             for symbol in sorted(expression.free_symbols & members, key=str):
-                if expression.diff(symbol).free_symbols & members:
+                slope = expression.diff(symbol)
+                if slope.free_symbols & members or is_in_pieces(expression, [symbol]):
                     bad.add(symbol)
         if not bad:
             return group

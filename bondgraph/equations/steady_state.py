@@ -12,6 +12,7 @@ from enum import StrEnum
 
 import sympy
 
+from bondgraph.equations.pieces import is_in_pieces
 from bondgraph.equations.rational import RationalField
 from bondgraph.equations.reduction import ReducedEquations
 from bondgraph.equations.sorting import replaced
@@ -224,7 +225,8 @@ def _affine(
             expression.diff(x) if x in expression.free_symbols else ZERO
             for x in unknowns
         ]
-        if any(entry.free_symbols & members for entry in row):
+        bent = any(entry.free_symbols & members for entry in row)
+        if bent or (unknowns and is_in_pieces(expression, unknowns)):
             return None
         matrix.append(row)
         right.append(-expression.xreplace(dict.fromkeys(unknowns, ZERO)))

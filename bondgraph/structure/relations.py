@@ -50,7 +50,11 @@ def inverse(
     None also where there is one, but no formula, or only for some parameter values.
     """
     slope = expression.diff(argument)
-    if slope != 0 and argument not in slope.free_symbols:
+    # Pieces of one slope need not be one line: they may jump in between.
+    one_line = argument not in slope.free_symbols and not expression.has(
+        sympy.Piecewise
+    )
+    if slope != 0 and one_line:
         rest = expression.xreplace({argument: sympy.S.Zero})
         return (value - rest) / slope
     here = expression
