@@ -124,6 +124,7 @@ def main() -> None:
     for one in told:
         came = ", ".join(f"{piece}: {what.value}" for piece, what in one.pieces.items())
         print(f"{wording(one.name):32s} {one.verdict:16s} {came}")
+    mpl.rcParams["svg.hashsalt"] = "flegx"  # the same answers make the same file
     figure, ((left, right), (below, empty)) = plt.subplots(
         2, 2, figsize=(10.0, 7.0), width_ratios=(2.8, 1.0), height_ratios=(1.5, 1.0)
     )
