@@ -191,7 +191,9 @@ def _one_line_errors(what: str, file: str | None) -> Iterator[None]:
             (what,),
             "Correct the syntax.",
         ) from error
-    except (Exception, SystemExit) as error:
+    except (KeyboardInterrupt, GeneratorExit):
+        raise  # the user's own wish
+    except BaseException as error:  # what a model raises need be no Exception
         raise ModelLoadError(
             f"{_line(error, file) or what}: {_said(error)}.",
             (what,),
@@ -209,7 +211,10 @@ def _line(error: BaseException, file: str | None) -> str:
 
 def _said(error: BaseException) -> str:
     """Return the error's kind and words on one line."""
-    words = " ".join(str(error).split()).rstrip(".")
+    try:
+        words = " ".join(str(error).split()).rstrip(".")
+    except Exception:  # its class is the user's code as well
+        words = ""
     kind = type(error).__name__
     return f"{kind}: {words}" if words else kind
 

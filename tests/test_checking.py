@@ -133,6 +133,11 @@ def test_refusals_are_one_line(folder, reference, expected):
         ("import no_such_package\n", "line 1: ModuleNotFoundError: No module named"),
         ("import math\n", "no function that returns a BondGraph"),
         ("raise SystemExit(3)\n", "broken.py, line 1: SystemExit: 3"),
+        ("raise BaseException('base')\n", "broken.py, line 1: BaseException: base"),
+        (
+            "class E(Exception):\n    def __str__(self): raise ValueError\nraise E\n",
+            "broken.py, line 3: E.",
+        ),
         ("def f() -> 'BondGraph':\n    return None\n", "returns None, not a BondGraph"),
         ("raise ValueError('two\\nlines')\n", "ValueError: two lines"),
         ("import math\nmath.sqrt(-1)\n", "broken.py, line 2: ValueError"),
