@@ -12,7 +12,14 @@ import numpy as np
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import CURVE, Candidate, Promised
 from bondgraph.diagnosis.search.steps import solver_named
-from bondgraph.diagnosis.search.trying import Start, Trial, fit_briefly, fit_fully
+from bondgraph.diagnosis.search.trying import (
+    Start,
+    Trial,
+    fit_briefly,
+    fit_fully,
+    fit_what_remembers,
+)
+from bondgraph.diagnosis.work.workers import Work
 from bondgraph.physics.hypothesis import Hypothesis
 
 RELATIVE_BETTER = 0.99
@@ -23,8 +30,20 @@ WIDER = 4
 """Laws that contain the leading one are tried from its optimum, at most so many."""
 
 
+def fit_remembering(
+    bench: Bench, others: Sequence[Promised], keep: float, most: int
+) -> list[Candidate]:
+    """Fit hypotheses with states of their own, whatever they promise, as `fit_best`."""
+    everything = [Promised(one.hypothesis, 1.0) for one in others]
+    return fit_best(bench, everything, keep, most, work=fit_what_remembers)
+
+
 def fit_best(
-    bench: Bench, promised: Sequence[Promised], keep: float, most: int
+    bench: Bench,
+    promised: Sequence[Promised],
+    keep: float,
+    most: int,
+    work: Work = fit_briefly,
 ) -> list[Candidate]:
     """Fit hypotheses briefly, and those that lead to the end, on all data.
 
@@ -35,12 +54,14 @@ def fit_best(
         curves lead by their freedom: named laws are compared with named ones.
     most
         How many are kept.
+    work
+        The short fit.
     """
     hypotheses = [one.hypothesis for one in promised]
     trials = [
         Trial(one.hypothesis, enough=KEPT_PROMISE * one.reduction) for one in promised
     ]
-    brief = bench.run(fit_briefly, trials, "short fits", few=True)
+    brief = bench.run(work, trials, "short fits", few=True)
     base_cost = bench.few.optimum.cost
     reached = [
         (1.0 - result["cost"] / base_cost, hypothesis, result)

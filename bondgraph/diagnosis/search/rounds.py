@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from bondgraph.diagnosis.answer.showing import simulate_whole
 from bondgraph.diagnosis.evidence.decision import Judged, Rule
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE, beside_earlier
-from bondgraph.diagnosis.evidence.judging import judge_all
+from bondgraph.diagnosis.evidence.judging import Verdicts, judge_all
 from bondgraph.diagnosis.evidence.left_out import MOST_CHUNKS
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.between_samples import (
@@ -33,7 +33,7 @@ from bondgraph.diagnosis.search.candidates import (
 )
 from bondgraph.diagnosis.search.determined import determined
 from bondgraph.diagnosis.search.finer import as_fine_as_told
-from bondgraph.diagnosis.search.fits import fit_best
+from bondgraph.diagnosis.search.fits import fit_best, fit_remembering
 from bondgraph.diagnosis.search.memory import remembering
 from bondgraph.diagnosis.search.removal import pruned
 from bondgraph.diagnosis.search.screening import screen
@@ -65,6 +65,11 @@ SAME = 1.02
 RUINED = 2.0
 """A law with which whole recordings are simulated so many times worse is not the one:
 it fits by states that one has to know, a runaway of its own for instance.
+"""
+
+MUCH = 0.5
+"""A residual of which so much is not noise, and nothing explains, is looked at again:
+what remembers promises little from afar, for it changes what the other numbers are.
 """
 
 HOPELESS = 0.75
@@ -270,32 +275,56 @@ def _one_round(
         if curves or hypothesis.physics != CURVE
     )
     screened = screen(bench, hypotheses)
-    fitted = fit_best(bench, _promising(screened, options), HOPELESS, options.judged)
-    least = options.rule.materiality / 2
-    material = [c for c in fitted if c.reduction(base) >= least]
-    known, undetermined = determined(base, material)
-    worth, forgetful = remembering(base, known, recordings)
-    order = {id(hypothesis): i for i, hypothesis in enumerate(hypotheses)}
-    worth.sort(key=lambda candidate: order[id(candidate.hypothesis)])
     before = simulate_whole(base, recordings).score.nrmse
 
     def holds(candidate: Candidate) -> bool:
         after = simulate_whole(candidate.fitted, recordings).score.nrmse
         return not after > RUINED * before
 
-    verdicts = judge_all(bench, worth, screened.independent, options.rule, noise, holds)
-    first = verdicts.chosen
-    chosen = None if first is None else as_fine_as_told(bench, first)
-    judged = [chosen if j is first and chosen else j for j in verdicts.judged]
+    def judged(fitted: Sequence[Candidate], tried: float) -> _Look:
+        least = options.rule.materiality / 2
+        material = [c for c in fitted if c.reduction(base) >= least]
+        known, undetermined = determined(base, material)
+        worth, forgetful = remembering(base, known, recordings)
+        order = {id(hypothesis): i for i, hypothesis in enumerate(hypotheses)}
+        worth.sort(key=lambda candidate: order[id(candidate.hypothesis)])
+        verdicts = judge_all(bench, worth, tried, options.rule, noise, holds)
+        return _Look(verdicts, (*undetermined, *forgetful))
+
+    promising = _promising(screened, options)
+    tried = screened.independent
+    look = judged(fit_best(bench, promising, HOPELESS, options.judged), tried)
+    if look.verdicts.chosen is None and explainable(base, noise) > MUCH:
+        first = {id(one.hypothesis) for one in promising}
+        others = [one for one in screened.promised if id(one.hypothesis) not in first]
+        found = fit_remembering(bench, others, HOPELESS, options.judged)
+        look = look.with_another(judged(found, tried + len(others)))
+    verdicts, first_choice = look.verdicts, look.verdicts.chosen
+    chosen = None if first_choice is None else as_fine_as_told(bench, first_choice)
+    kept = [chosen if j is first_choice and chosen else j for j in verdicts.judged]
     return Round(
         base,
         len(hypotheses),
-        tuple(judged),
+        tuple(kept),
         screened.promised,
-        (*screened.rejected, *undetermined, *forgetful),
+        (*screened.rejected, *look.rejected),
         chosen,
         verdicts.probability,
     )
+
+
+@dataclass(frozen=True, slots=True)
+class _Look:
+    """What was judged of some hypotheses, and which were not worth it."""
+
+    verdicts: Verdicts
+    rejected: tuple[Rejected, ...]
+
+    def with_another(self, other: "_Look") -> "_Look":
+        """Return both looks, with what the other has chosen."""
+        both = (*self.verdicts.judged, *other.verdicts.judged)
+        verdicts = replace(other.verdicts, judged=both)
+        return _Look(verdicts, (*self.rejected, *other.rejected))
 
 
 def _promising(screened: Screened, options: Options) -> list[Promised]:

@@ -116,6 +116,18 @@ def fit_briefly(base: FittedModel, trial: Trial) -> Plain:
     return _or_refused(lambda: _fitted(base, trial, SHORT_ITERATIONS))
 
 
+def fit_what_remembers(base: FittedModel, trial: Trial) -> Plain:
+    """Return a short fit of a hypothesis that adds a state; others are refused."""
+
+    def fitted() -> Plain:
+        problem = pose_hypothesis(base, trial.hypothesis)
+        if problem.model.n_states <= base.problem.model.n_states:
+            raise BondGraphError("It remembers nothing.", (trial.hypothesis.place,))
+        return _fitted(base, trial, SHORT_ITERATIONS)
+
+    return _or_refused(fitted)
+
+
 def fit_fully(base: FittedModel, trial: Trial) -> Plain:
     """Return the best of fits to the end from every start of the trial."""
     return _or_refused(lambda: _fitted(base, trial, FULL_ITERATIONS))
