@@ -22,6 +22,7 @@ from bondgraph.physics.places.junction import junction_place
 from bondgraph.physics.places.scales import Scales
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.shooting import Shots, shoot
+from bondgraph.simulation.solvers import implicit
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.edits import InsertElement
 from bondgraph.structure.elements import (
@@ -184,7 +185,12 @@ def recover(
         parameters=tuple(p for p in equations.parameters if p != symbol),
     )
     plain = pose(graph, fitted.problem.model, shots, fitted.settings)
-    plain = replace(plain, sigma=fitted.problem.sigma, start=fitted.parameters)
+    plain = replace(
+        plain,
+        sigma=fitted.problem.sigma,
+        start=fitted.parameters,
+        solver=implicit(fitted.problem.solver),
+    )
     nx, nq = plain.model.n_states, len(plain.free)
     origin = np.zeros((shots.n_windows, nx))
     states, before = settle(plain, plain.start[plain.free], origin)
@@ -197,15 +203,27 @@ def recover(
         value=value,
         std=_value_std(after.hessian[:, nq:, nq:], after.cost, shots.edges),
         local=_local_means(fitted, junction, shots, states),
-        explained=float(1.0 - after.cost.sum() / before.cost.sum()),
+        explained=_explained(before.cost, after.cost),
     )
 
 
+def _explained(before: Array, after: Array) -> float:
+    """Return the share of the cost taken away, over windows that can be simulated."""
+    ran = np.isfinite(before) & np.isfinite(after)
+    whole = float(before[ran].sum())
+    return 1.0 - float(after[ran].sum()) / whole if whole > 0.0 else 0.0
+
+
 def _value_std(hessian: Array, cost: Array, edges: Sequence[int]) -> Array:
-    """Return the standard deviation of the virtual value in each window."""
+    """Return the standard deviation of the virtual value in each window.
+
+    Infinite where a window cannot be simulated.
+    """
     spare = np.maximum(np.diff(edges) - hessian.shape[-1], 1)
     variance = truncated_inverse(hessian)[:, -1, -1]
-    std: Array = np.sqrt(np.maximum(variance, 0.0) * cost / spare)
+    ran = np.isfinite(cost)
+    power = np.maximum(variance, 0.0) * np.where(ran, cost, 0.0) / spare
+    std: Array = np.where(ran, np.sqrt(power), np.inf)
     return std
 
 

@@ -26,6 +26,9 @@ DEAD = 1e-18
 DENOMINATOR = 4
 ROUNDED = 0.02
 
+NOTHING = 1e-9
+"""A value that is so small beside its error is zero."""
+
 BARELY, BETTER, EASIER = 1 / 3, 5.0, 1.0
 """A relative std that says little; how much better a combination must be; and how much
 better one of three must be than one of two."""
@@ -258,9 +261,12 @@ def barely_known(
     powers of two or three of them that is known best, if five times better.
     """
     size = np.abs(theta)
-    share = np.divide(std, size, out=np.zeros(len(size)), where=size > 0.0)
+    # What is nothing beside its own error has no share of itself.
+    some = size > NOTHING * np.maximum(std, 1e-300)
+    share = np.divide(std, size, out=np.zeros(len(size)), where=some)
     weak = [i for i in range(len(names)) if share[i] > BARELY]
-    inner = covariance / np.maximum(np.outer(size, size), 1e-300)
+    scale = np.where(some, size, 1.0)
+    inner = covariance / scale / scale[:, None]
     best: tuple[float, tuple[int, ...], Array] | None = None
     for count in (2, 3):
         for members in combinations(weak, count):

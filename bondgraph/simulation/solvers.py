@@ -84,3 +84,13 @@ Implicit = Sdirk2 | Sdirk3
 """Methods that solve for rates and unknowns together, whatever the model."""
 
 Solver = RungeKutta4 | Implicit
+
+
+def implicit(solver: Solver) -> Implicit:
+    """Return the solver, or an implicit one with as many steps in place of another.
+
+    An implicit method stays stable wherever a simulation starts.
+    """
+    if isinstance(solver, RungeKutta4):
+        return Sdirk2(solver.substeps)
+    return solver

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from bondgraph.fitting.horizon import Horizon, WholeRecordings, Windows, cut
 from bondgraph.fitting.levenberg_marquardt import settle
 from bondgraph.fitting.result import Score
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.simulation.solvers import implicit
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.edits import InsertElement
 from bondgraph.structure.elements import OneJunction
@@ -46,10 +48,12 @@ def simulate_whole(
 ) -> WholeSimulation:
     """Simulate whole recordings with the fitted parameters.
 
-    Where a step fails, with finer ones: another recording may be rougher.
+    Where a step fails, with finer ones, and implicit ones at last: another recording
+    may be rougher.
     """
-    for finer in FINER:
-        solver = fitted.problem.solver
+    own = fitted.problem.solver
+    stable = () if implicit(own) == own else (implicit(own),)
+    for solver, finer in product((own, *stable), FINER):
         steps = replace(solver, substeps=finer * solver.substeps)
         problem = replace(fitted.problem, solver=steps)
         stepped = replace(fitted, problem=problem)
