@@ -14,6 +14,7 @@ from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.fitting.estimate import FittedModel, first_guess, pose, score
 from bondgraph.fitting.horizon import Horizon, WholeRecordings, Windows, cut
 from bondgraph.fitting.levenberg_marquardt import settle
+from bondgraph.fitting.problem import FitProblem, Linearisation
 from bondgraph.fitting.result import Score
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.solvers import implicit
@@ -63,6 +64,21 @@ def simulate_whole(
     return replace(_simulate(fitted, recordings, fitted.horizon), whole=False)
 
 
+def _settled(problem: FitProblem, theta: Array, usual: Array) -> Linearisation:
+    """Return the residuals with initial states settled in every window.
+
+    Where what the first samples suggest runs away, from rest or from what is usual.
+    """
+    states, at = settle(problem, theta, first_guess(problem, theta), iterations=25)
+    for other in (np.zeros(len(usual)), usual):
+        lost = ~np.isfinite(at.cost)
+        if not lost.any():
+            break
+        begin = np.where(lost[:, None], other, states)
+        states, at = settle(problem, theta, begin, iterations=25)
+    return at
+
+
 def _simulate(
     fitted: FittedModel, recordings: Sequence[BoundRecording], horizon: Horizon
 ) -> WholeSimulation:
@@ -71,7 +87,7 @@ def _simulate(
     problem = pose(fitted.graph, old.model, shots, fitted.settings, old.sigma)
     problem = replace(problem, start=fitted.parameters)
     theta = problem.start[problem.free]
-    _, at = settle(problem, theta, first_guess(problem, theta), iterations=25)
+    at = _settled(problem, theta, np.median(fitted.optimum.initial, axis=0))
     residuals = at.residuals * old.sigma
     residuals = np.where(np.isfinite(shots.outputs), residuals, np.nan)
     return WholeSimulation(
