@@ -26,8 +26,14 @@ TESTS = tuple(
 """The quickest that check these packages; others would kill more, for a longer wait."""
 
 HEAVY = ("numpy", "scipy.linalg", "scipy.sparse.linalg", "scipy.special", "sympy",
-         "networkx", "pint", "numba", "pytest", "hypothesis", "control")  # fmt: skip
-"""Imported once, before processes are split off."""
+         "networkx", "pint", "numba", "pytest", "control")  # fmt: skip
+"""Imported once, before processes are split off.
+
+Not what pytest wants to import itself (hypothesis): it would warn, and end with that.
+"""
+
+NOT_RUN = 99
+"""The status of a process in which pytest could not even begin."""
 
 MOST_TESTS = 60
 """Tests tried on one mutant, the quickest of those that run its line."""
@@ -91,6 +97,7 @@ def try_mutants(work: Path, sample: int, seed: int, seconds: float, only: str) -
     done = {entry["name"] for entry in entries(work)}
     for name in HEAVY:
         import_module(name)
+    _check_unchanged(covered["seconds"])
     began = time.monotonic()
     for mutant in drawn:
         if mutant.name in done or only not in mutant.path:
@@ -120,25 +127,41 @@ def _tried(mutant: Mutant, covered: dict[str, Any]) -> dict[str, Any]:
     if not chosen:
         return {"fate": "not run", "tests": 0}
     limit = LEAST_LIMIT + 10.0 * sum(seconds[test] for test in chosen)
+    return {"fate": _fate(mutant, chosen, int(limit)), "tests": len(chosen)}
+
+
+def _check_unchanged(seconds: dict[str, float]) -> None:
+    """Refuse to go on where tests fail without a mutant: all would seem killed."""
+    quickest = sorted(seconds, key=lambda test: (seconds[test], test))[:MOST_TESTS]
+    limit = LEAST_LIMIT + 10.0 * sum(seconds[test] for test in quickest)
+    if (fate := _fate(None, quickest, int(limit))) != "survived":
+        raise SystemExit(f"The tests do not pass without a mutant: {fate}.")
+
+
+def _fate(mutant: Mutant | None, tests: list[str], limit: int) -> str:
+    """Run tests in a process of their own, and say what they made of a mutant."""
     child = os.fork()
     if child == 0:
-        _die_of_it(mutant, chosen, int(limit))
+        _die_of_it(mutant, tests, limit)
     _, status = os.waitpid(child, 0)
     if os.WIFSIGNALED(status):
-        return {"fate": "out of time", "tests": len(chosen)}
-    survived = os.WEXITSTATUS(status) == 0
-    return {"fate": "survived" if survived else "killed", "tests": len(chosen)}
+        return "out of time"
+    code = os.WEXITSTATUS(status)
+    if code == NOT_RUN:
+        raise SystemExit("pytest itself failed: what it says of mutants means nothing.")
+    return "killed" if code else "survived"
 
 
-def _die_of_it(mutant: Mutant, tests: list[str], limit: int) -> None:
+def _die_of_it(mutant: Mutant | None, tests: list[str], limit: int) -> None:
     """Run the tests with the mutant in place of its module; never return."""
-    code = 1
+    code = NOT_RUN
     try:
         resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
         silent = os.open(os.devnull, os.O_WRONLY)
         os.dup2(silent, 1)
         os.dup2(silent, 2)
-        sys.meta_path.insert(0, _Finder(mutant))
+        if mutant is not None:
+            sys.meta_path.insert(0, _Finder(mutant))
         options = ["-x", "-q", "-n0", "-p", "no:cacheprovider", "--no-header"]
         code = int(import_module("pytest").main([*options, *tests]))
     finally:
