@@ -126,7 +126,8 @@ def all_evidence(rounds: Sequence[Round]) -> tuple[Evidence, ...]:
     return tuple(
         _as_evidence(judged)
         for found in rounds
-        for judged in sorted(found.judged, key=lambda j: -j.gain.value)
+        # Rounded: equals stay in the order of the library, whatever names they have.
+        for judged in sorted(found.judged, key=lambda j: -round(j.gain.value, 9))
     )
 
 
