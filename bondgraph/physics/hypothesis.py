@@ -71,6 +71,11 @@ class Hypothesis:
         return tuple(p.name for p in self.edit.parameters if not p.exact)
 
     @property
+    def is_slip(self) -> bool:
+        """Whether it rights how something was recorded, with no number to be fitted."""
+        return not self.parameters
+
+    @property
     def silent_starts(self) -> tuple[Mapping[str, float], ...]:
         """The starts that leave the base model as it is, whose slopes tell promise."""
         if not self.strengths:

@@ -8,6 +8,7 @@ element that the model does not have. Both are told in the words of the element.
 import math
 from collections.abc import Sequence
 
+from bondgraph.diagnosis.answer.wording import to_digits_of
 from bondgraph.diagnosis.records import Finding
 from bondgraph.fitting.result import Estimate
 from bondgraph.structure.elements import Compliance, Inertance, Node, Resistance
@@ -49,14 +50,16 @@ def _finding(
     node = next((n for n in graph.nodes if estimate.name in parameters_of(n)), None)
     name = _reader(graph, estimate.name) if node is None else node.name
     unit = "" if estimate.unit == "1" else f" {estimate.unit}"
-    error = "" if estimate.std is None else f" ± {estimate.std:.2g}"
+    needed = f"{estimate.value:.4g}"
+    if estimate.std is not None:
+        needed = to_digits_of(estimate.value, estimate.std)
     return Finding(
         physics=_word(node, estimate.value > value),
         place=name,
         element=name,
         statement=(
             f"{estimate.name} is not what it is said to be: the recordings need "
-            f"{estimate.value:.4g}{error}{unit}, {abs(away):.0f} standard deviations "
+            f"{needed}{unit}, {abs(away):.0f} standard deviations "
             f"from the stated {value:.4g} ± {std:.2g}{unit}. That is a value and not a "
             f"law: either the number is wrong, or something acts beside {name} that "
             "does the same."

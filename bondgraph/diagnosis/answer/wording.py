@@ -1,5 +1,6 @@
 """The sentences of a diagnosis, in the words of the field."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 from bondgraph.diagnosis.evidence.decision import Judged
@@ -29,6 +30,10 @@ WEAK = 0.25
 """An effect that explains less than this share of the error is called weak."""
 
 
+LONG = 6
+"""Numbers with more digits before the point are told with a power of ten."""
+
+
 def name_of(physics: str) -> str:
     """Return how a sentence calls `physics`."""
     return NAMES.get(physics, physics.replace("_", " "))
@@ -39,7 +44,20 @@ def value_with_error(estimate: Estimate) -> str:
     unit = "" if estimate.unit == "1" else f" {estimate.unit}"
     if estimate.std is None:
         return f"{estimate.value:.4g}{unit} (not determined by these recordings)"
-    return f"{estimate.value:.4g} ± {estimate.std:.2g}{unit}"
+    return f"{to_digits_of(estimate.value, estimate.std)}{unit}"
+
+
+def to_digits_of(value: float, std: float) -> str:
+    """Return ``value ± std``, both to the second digit of the standard deviation."""
+    size = max(abs(value), std)
+    if not (0.0 < std < math.inf and size < math.inf):
+        return f"{value:.4g} ± {std:.2g}"
+    power = math.floor(math.log10(size))
+    if -4 <= power < LONG:
+        power = 0
+    places = max(0, 1 - math.floor(math.log10(std / 10.0**power)))
+    both = " ± ".join(f"{number / 10.0**power:.{places}f}" for number in (value, std))
+    return f"({both})e{power}" if power else both
 
 
 def finding_statement(

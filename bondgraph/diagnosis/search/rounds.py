@@ -272,7 +272,11 @@ def _one_round(
     hypotheses = tuple(
         hypothesis
         for hypothesis in propose_all(base, options.library)
-        if curves or hypothesis.physics != CURVE
+        if (curves or hypothesis.physics != CURVE)
+        # A wrong sign or unit shows before anything else. Beside a law that has been
+        # found it would only bend it: in a unit a thousand times larger every smooth
+        # edge is a sharp one.
+        and (number == 1 or not hypothesis.is_slip)
     )
     screened = screen(bench, hypotheses)
     before = simulate_whole(base, recordings).score.nrmse
