@@ -23,6 +23,10 @@ ITERATIONS = 30
 TOLERANCE = 1e-4
 
 
+SWALLOWED = 0.1
+"""A law with less than this share of its strength left is not there any more."""
+
+
 @dataclass(frozen=True, slots=True)
 class Pruned:
     """The model after removal, with the hypotheses kept and those taken out."""
@@ -65,6 +69,24 @@ def pruned(
             fitted, kept = without, rest
             removed.append(hypothesis)
     return Pruned(fitted, tuple(kept), tuple(removed))
+
+
+def swallowed(
+    before: FittedModel, after: FittedModel, earlier: Sequence[Hypothesis]
+) -> Hypothesis | None:
+    """Return an earlier addition of which a later one leaves nothing, if there is one.
+
+    The later one is then no further physics but a rival, and has lost against it.
+    """
+    for hypothesis in earlier:
+        shrunk = [
+            abs(after.values[name]) < SWALLOWED * abs(before.values[name])
+            for name in hypothesis.strengths
+            if name in after.values and name in before.values
+        ]
+        if shrunk and all(shrunk):
+            return hypothesis
+    return None
 
 
 def fitted_with(

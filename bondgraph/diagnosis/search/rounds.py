@@ -17,6 +17,7 @@ from bondgraph.diagnosis.evidence.decision import Judged, Rule
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE, beside_earlier
 from bondgraph.diagnosis.evidence.judging import Verdicts, judge_all
 from bondgraph.diagnosis.evidence.left_out import MOST_CHUNKS
+from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.between_samples import (
     finely_stepped,
@@ -35,7 +36,7 @@ from bondgraph.diagnosis.search.determined import determined
 from bondgraph.diagnosis.search.finer import as_fine_as_told
 from bondgraph.diagnosis.search.fits import fit_best, fit_remembering
 from bondgraph.diagnosis.search.memory import remembering
-from bondgraph.diagnosis.search.removal import pruned
+from bondgraph.diagnosis.search.removal import pruned, swallowed
 from bondgraph.diagnosis.search.screening import screen
 from bondgraph.diagnosis.work.workers import Here, Where, Workshop
 from bondgraph.fitting.estimate import (
@@ -180,6 +181,9 @@ def search(
         added = (*added, candidate.hypothesis)
         shop.progress(f"round {number}: trying without what was added before")
         left = pruned(base, current, candidate.fitted, added, options.rule)
+        lost = swallowed(current, left.fitted, left.kept[:-1])
+        if lost is not None:
+            return [*rounds, _given_up(found, lost)]
         rounds.append(replace(found, removed=left.removed))
         current, added = finely_stepped(left.fitted, noise), left.kept
         if options.either_hold:
@@ -190,6 +194,16 @@ def search(
         gains.append(found.chosen.gain.value)
         if beside_earlier(gains)[-1] < MERE_SHAPE:
             return [*rounds, Round(current)]
+
+
+def _given_up(found: Round, lost: Hypothesis) -> Round:
+    """Return the round without its choice, which stands in for an earlier one."""
+    reason = f"leaves nothing of {lost.physics} at {lost.place}, and came after it"
+    judged = tuple(
+        replace(j, support=Support.REFUTED, reason=reason) if j is found.chosen else j
+        for j in found.judged
+    )
+    return replace(found, judged=judged, chosen=None, probability=None)
 
 
 def within(fitted: FittedModel, noise: Array, rule: Rule) -> bool:
