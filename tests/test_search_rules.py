@@ -1,0 +1,87 @@
+"""What the search refuses, and how a curve is divided."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import sympy
+
+from bondgraph import BondGraph, C, I, R, Se
+from bondgraph.diagnosis.search.removal import swallowed
+from bondgraph.physics.library import LIBRARY
+from bondgraph.physics.places.everywhere import all_places
+from bondgraph.physics.places.scales import Scales
+from bondgraph.physics.unknown import UnknownRelation
+
+
+def cart():
+    g = BondGraph("cart", domain="translation")
+    g.one("cart", Se("force"), I("mass"), R("damper"), C("compliance"))
+    g.measure("position", displacement="cart")
+    return g.finish()
+
+
+def law(**strengths):
+    return SimpleNamespace(strengths=tuple(strengths))
+
+
+def fitted(**values):
+    return SimpleNamespace(values=values)
+
+
+def test_a_law_that_leaves_nothing_of_an_earlier_one_is_its_rival():
+    earlier = law(mu=1.0)
+    before = fitted(mu=0.08)
+    assert swallowed(before, fitted(mu=0.001, bend=0.5), [earlier]) is earlier
+    assert swallowed(before, fitted(mu=-0.05, bend=0.5), [earlier]) is None
+    # What was taken out or has no strength of its own says nothing.
+    assert swallowed(before, fitted(bend=0.5), [earlier]) is None
+    assert swallowed(before, fitted(mu=0.0), [law()]) is None
+
+
+def test_all_strengths_of_a_law_must_be_gone():
+    wide = law(coulomb=1.0, mu=1.0)
+    before = fitted(coulomb=2.0, mu=0.1)
+    assert swallowed(before, fitted(coulomb=1e-3, mu=0.1), [wide]) is None
+    assert swallowed(before, fitted(coulomb=1e-3, mu=1e-3), [wide]) is wide
+
+
+def test_slips_are_the_only_hypotheses_without_a_number():
+    slips = {
+        hypothesis.words
+        for place in all_places(cart(), Scales())
+        for physics in LIBRARY
+        for hypothesis in physics.propose(place)
+        if hypothesis.is_slip
+    }
+    assert slips
+    assert all("is recorded" in w or "reads" in w for w in slips), slips
+
+
+def test_a_divided_curve_can_be_the_undivided_one():
+    coarse, fine = (
+        {
+            (h.place, h.words): h
+            for place in all_places(cart(), Scales())
+            for h in UnknownRelation(pieces).propose(place)
+        }
+        for pieces in (1, 4)
+    )
+    assert coarse.keys() == fine.keys()
+    draw = np.random.default_rng(1)
+    for key, first in coarse.items():
+        second = fine[key]
+        count, more = len(first.strengths), len(second.strengths)
+        assert more == 4 * (count - 1) + 1
+        heights = draw.normal(size=count)
+        where = np.linspace(0.0, count - 1.0, more)
+        between = np.interp(where, np.arange(count), heights)
+        drawn = []
+        for hypothesis, values in ((first, heights), (second, between)):
+            known = dict(zip(hypothesis.strengths, values, strict=True))
+            known |= {p.name: p.value for p in hypothesis.edit.parameters if p.exact}
+            symbols = sorted(hypothesis.law.free_symbols, key=str)
+            (x,) = [s for s in symbols if s.name not in known][:1]
+            rest = {s: known.get(s.name, 1.0) for s in symbols if s is not x}
+            curve = sympy.lambdify(x, hypothesis.law.subs(rest))
+            drawn.append([curve(at) for at in np.linspace(-2.0, 2.0, 41)])
+        assert np.allclose(drawn[0], drawn[1], atol=1e-9), key
