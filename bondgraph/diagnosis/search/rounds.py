@@ -106,7 +106,7 @@ class Options:
     settings: FitSettings = field(default_factory=FitSettings)
     rule: Rule = field(default_factory=Rule)
     library: tuple[AbstractPhysics, ...] = LIBRARY
-    fitted: int = 24
+    fitted: int = 40
     judged: int = 10
     most_findings: int = 5
     where: Where = field(default_factory=Here)
