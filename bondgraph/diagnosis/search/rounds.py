@@ -69,8 +69,9 @@ it fits by states that one has to know, a runaway of its own for instance.
 """
 
 MUCH = 0.5
-"""A residual of which so much is not noise, and nothing explains, is looked at again:
-what remembers promises little from afar, for it changes what the other numbers are.
+"""A residual of which so much is not noise, and of which nothing at all is found, is
+looked at again: what remembers promises little from afar, for it changes what the other
+numbers are. Behind a first finding that would cost more than it has ever shown.
 """
 
 HOPELESS = 0.75
@@ -312,7 +313,8 @@ def _one_round(
     promising = _promising(screened, options)
     tried = screened.independent
     look = judged(fit_best(bench, promising, HOPELESS, options.judged), tried)
-    if look.verdicts.chosen is None and explainable(base, noise) > MUCH:
+    nothing = number == 1 and look.verdicts.chosen is None
+    if nothing and explainable(base, noise) > MUCH:
         first = {id(one.hypothesis) for one in promising}
         others = [one for one in screened.promised if id(one.hypothesis) not in first]
         found = fit_remembering(bench, others, HOPELESS, options.judged)
