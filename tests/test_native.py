@@ -295,12 +295,45 @@ def test_code_is_compiled_once_and_only_where_it_pays():
     assert compiled_text(text) is compiled_text(text)
 
 
-def test_a_model_that_runs_away_is_not_completed_by_any_engine():
+def runaway():
     g = BondGraph("runaway", domain="translation")
     k = symbols("k")
     g.one("cart", Se("force"), I("m"), R("push", law=-k * f**3))
     g.measure("v", flow="cart")
-    model = compile_model(derive(g.finish()))
+    return compile_model(derive(g.finish()))
+
+
+def test_a_window_that_runs_away_leaves_the_others_as_they_are():
+    model = runaway()
+    time = np.tile(np.linspace(0, 2, 201), 3)
+    shots = Shots(time, np.zeros((603, 1)), np.zeros((603, 1)), (0, 201, 402, 603))
+    directions = np.arange(len(model.parameter_names))
+
+    def pushed(engine, speeds):
+        return shoot(
+            model,
+            shots,
+            parameters=np.ones(len(model.parameter_names)),
+            initial=np.array(speeds)[:, None],
+            directions=directions,
+            solver=Sdirk2(),
+            hold=Hold.FIRST,
+            engine=engine,
+        )
+
+    native = pushed(Native(), [0.1, 1.0, 0.2])
+    tape = pushed(Interpreted(), [0.1, 1.0, 0.2])
+    calm = pushed(Native(), [0.1, 0.3, 0.2])
+    assert native.completed.tolist() == [True, False, True]
+    assert native.trouble == tape.trouble
+    outer = np.r_[0:201, 402:603]
+    assert np.array_equal(native.outputs[outer], calm.outputs[outer])
+    assert np.array_equal(native.sensitivities[outer], calm.sensitivities[outer])
+    np.testing.assert_allclose(native.outputs, tape.outputs, rtol=1e-9)
+
+
+def test_a_model_that_runs_away_is_not_completed_by_any_engine():
+    model = runaway()
     time = np.linspace(0, 2, 201)
     shots = Shots(time, np.zeros((201, 1)), np.zeros((201, 1)), (0, 201))
     for solver, engine in (

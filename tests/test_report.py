@@ -299,6 +299,14 @@ def test_a_simulation_that_ran_away_does_not_hide_the_rest(
     assert max(heights) - min(heights) > 200
 
 
+def test_a_simulation_that_did_not_end_has_no_error(diagnosis: Diagnosis) -> None:
+    trace = diagnosis.traces[0]
+    lost = np.full_like(trace.after, np.nan)
+    html = report_html(replace(diagnosis, traces=(replace(trace, after=lost),)))
+    assert Page(html).problems == []
+    assert "after could not be simulated to its end" in squeezed(html)
+
+
 def test_the_page_is_written_or_refused(diagnosis: Diagnosis, tmp_path: Path) -> None:
     write_report(diagnosis, tmp_path / "report.html")
     assert "Physics is missing" in (tmp_path / "report.html").read_text("utf-8")

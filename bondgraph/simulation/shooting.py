@@ -68,12 +68,37 @@ def shoot(
         native = _by_native_code(
             model, shots, parameters, initial, directions, solver, hold, of_initial
         )
-        # Where native code failed, the tape says why.
-        if native.completed.all():
+        failed = np.flatnonzero(~native.completed)
+        if len(failed) == 0:
             return native
+        # The tape says why.
+        again = _by_tape(
+            model, shots.subset(failed), parameters, initial[failed], directions,
+            solver, hold, engine, of_initial,
+        )  # fmt: skip
+        return _with_windows(native, shots, failed, again)
     return _by_tape(
         model, shots, parameters, initial, directions, solver, hold, engine, of_initial
     )
+
+
+def _with_windows(
+    whole: Shooting, shots: Shots, windows: Integers, part: Shooting
+) -> Shooting:
+    """Return `whole` with those windows as they are in `part`."""
+    rows = np.concatenate(
+        [np.arange(len(shots.time))[shots.slices[w]] for w in windows]
+    )
+    outputs, states = whole.outputs.copy(), whole.states.copy()
+    slopes, completed = whole.sensitivities.copy(), whole.completed.copy()
+    outputs[rows], states[rows] = part.outputs, part.states
+    completed[windows] = part.completed
+    if len(part.sensitivities):
+        slopes[rows] = part.sensitivities
+    trouble = list(whole.trouble)
+    for window, found in zip(windows, part.trouble, strict=True):
+        trouble[window] = found
+    return Shooting(outputs, states, slopes, completed, tuple(trouble))
 
 
 def _by_native_code(

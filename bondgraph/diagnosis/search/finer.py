@@ -16,6 +16,7 @@ from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import CURVE, Candidate
 from bondgraph.diagnosis.search.trying import Start, Trial, fit_fully
+from bondgraph.fitting.uncertainty import uncertainty
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.unknown import UnknownRelation
@@ -27,7 +28,8 @@ PIECES = (2, 4, 8)
 def as_fine_as_told(bench: Bench, chosen: Judged) -> Judged:
     """Return the chosen candidate, a curve divided while left-out data gain by it.
 
-    A division counts by more than the standard error of what it gains.
+    A division counts by more than the standard error of what it gains, and where the
+    data tell every height of it.
     """
     if chosen.physics != CURVE:
         return chosen
@@ -36,7 +38,7 @@ def as_fine_as_told(bench: Bench, chosen: Judged) -> Judged:
     errors = left_out_errors(best.fitted, chunks)
     for pieces in PIECES:
         finer = _finer(bench, own, best, pieces)
-        if finer is None:
+        if finer is None or not _told(finer, best):
             break
         after = left_out_errors(finer.fitted, chunks)
         gain = compare(errors, after)
@@ -44,6 +46,16 @@ def as_fine_as_told(bench: Bench, chosen: Judged) -> Judged:
             break
         best, errors = finer, after
     return replace(chosen, candidate=best)
+
+
+def _told(curve: Candidate, coarser: Candidate) -> bool:
+    """Return whether each height is known to better than the coarser curve's range."""
+    fitted, own = curve.fitted, curve.hypothesis.strengths
+    problem = fitted.problem
+    names = [problem.model.parameter_names[i] for i in problem.free]
+    stds = uncertainty(problem, fitted.optimum).std[np.isin(names, own)]
+    heights = [coarser.fitted.values[name] for name in coarser.hypothesis.strengths]
+    return bool(np.all(stds <= np.ptp(heights)))
 
 
 def _finer(

@@ -36,6 +36,7 @@ def recording_charts(diagnosis: Diagnosis) -> dict[str, list[ChannelCharts]]:
     grouped: dict[str, list[ChannelCharts]] = {}
     for trace in traces:
         noise = diagnosis.noise_floor.get(trace.channel)
+        unit = unit_words(trace.unit)
         errors = _simulated(*_errors(trace))
         whole = {
             name: trace.before if name == "before" else trace.after for name in errors
@@ -50,8 +51,8 @@ def recording_charts(diagnosis: Diagnosis) -> dict[str, list[ChannelCharts]]:
                 if trace.steady
                 else _packed(trace.measured, trace.time, errors, every),
                 every=every,
-                before=_rms(trace.before, trace),
-                after=_rms(trace.after, trace),
+                before=_rms(trace.before, trace, unit),
+                after=_rms(trace.after, trace, unit),
             )
         )
     return grouped
@@ -105,7 +106,7 @@ def _axis(trace: Trace) -> str:
 def _output_chart(trace: Trace, simulated: dict[str, Array], slices: int) -> Chart:
     unit = unit_words(trace.unit)
     errors = ", ".join(
-        f"{name} {_rms(values, trace)} {unit}" for name, values in simulated.items()
+        f"{name} {_rms(values, trace, unit)}" for name, values in simulated.items()
     )
     return chart(
         _curves(trace, {"measured": trace.measured, **simulated}),
@@ -135,6 +136,8 @@ def _error_chart(
     )
 
 
-def _rms(simulated: Array, trace: Trace) -> str:
-    error = simulated - trace.measured
-    return number_words(float(np.sqrt(np.nanmean(error**2))), 3)
+def _rms(simulated: Array, trace: Trace, unit: str) -> str:
+    error = (simulated - trace.measured)[np.isfinite(trace.measured)]
+    if not np.isfinite(error).all():
+        return "could not be simulated to its end"
+    return f"{number_words(float(np.sqrt(np.mean(error**2))), 3)} {unit}"
