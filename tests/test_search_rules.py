@@ -6,11 +6,12 @@ import numpy as np
 import sympy
 
 from bondgraph import BondGraph, C, I, R, Se
-from bondgraph.diagnosis.search.removal import swallowed
+from bondgraph.diagnosis.search.removal import gone_from
 from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
 from bondgraph.physics.unknown import UnknownRelation
+from bondgraph.structure.parameters import Parameter
 
 
 def cart():
@@ -21,28 +22,55 @@ def cart():
 
 
 def law(**strengths):
-    return SimpleNamespace(strengths=tuple(strengths))
+    return SimpleNamespace(
+        strengths=tuple(strengths), physics="load_dependent_friction", place="rod"
+    )
 
 
-def fitted(**values):
-    return SimpleNamespace(values=values)
+FOUND = "load_dependent_friction at rod"
 
 
 def test_a_law_that_leaves_nothing_of_an_earlier_one_is_its_rival():
-    earlier = law(mu=1.0)
-    before = fitted(mu=0.08)
-    assert swallowed(before, fitted(mu=0.001, bend=0.5), [earlier]) is earlier
-    assert swallowed(before, fitted(mu=-0.05, bend=0.5), [earlier]) is None
+    earlier, before = law(mu=1.0), {"mu": 0.08}
+    known = {"mu": 1e-4, "bend": 0.1}
+    for mu, said in ((0.001, FOUND), (-0.05, None)):
+        after = {"mu": mu, "bend": 0.5}
+        assert gone_from(before, after, known, [earlier], {}) == said
     # What was taken out or has no strength of its own says nothing.
-    assert swallowed(before, fitted(bend=0.5), [earlier]) is None
-    assert swallowed(before, fitted(mu=0.0), [law()]) is None
+    assert gone_from(before, {"bend": 0.5}, known, [earlier], {}) is None
+    assert gone_from(before, {"mu": 0.0}, known, [law()], {}) is None
+
+
+def test_a_law_that_is_not_told_from_none_any_more_is_gone():
+    earlier, before = law(mu=1.0), {"mu": 0.019}
+    for mu, std, said in (
+        (0.007, 0.004, FOUND),
+        (0.007, 0.001, None),
+        # Hardly known, but as large as it was: the data say less, not otherwise.
+        (0.018, 0.012, None),
+    ):
+        assert gone_from(before, {"mu": mu}, {"mu": std}, [earlier], {}) == said
 
 
 def test_all_strengths_of_a_law_must_be_gone():
-    wide = law(coulomb=1.0, mu=1.0)
-    before = fitted(coulomb=2.0, mu=0.1)
-    assert swallowed(before, fitted(coulomb=1e-3, mu=0.1), [wide]) is None
-    assert swallowed(before, fitted(coulomb=1e-3, mu=1e-3), [wide]) is wide
+    wide, before = law(coulomb=1.0, mu=1.0), {"coulomb": 2.0, "mu": 0.1}
+    assert gone_from(before, {"coulomb": 1e-3, "mu": 0.1}, {}, [wide], {}) is None
+    assert gone_from(before, {"coulomb": 1e-3, "mu": 1e-3}, {}, [wide], {}) == FOUND
+
+
+def test_a_law_of_the_model_itself_may_not_go_for_a_later_finding():
+    given = {
+        "friction": Parameter(name="friction", value=5.0, unit="N", bounds=(0, 100)),
+        "offset": Parameter(name="offset", value=1.0, unit="N"),
+    }
+    before = {"friction": 3.2, "offset": 0.9}
+    stds = {"friction": 0.1, "offset": 0.1}
+    gone = {"friction": 0.0, "offset": 0.9}
+    assert gone_from(before, gone, stds, [], given) == "parameter friction"
+    # What was hardly there before the addition has not gone by it.
+    assert gone_from({"friction": 0.3}, gone, stds, [], given) is None
+    # An offset may be zero, and a friction that was swollen may shrink.
+    assert gone_from(before, {"friction": 0.9, "offset": 0.0}, stds, [], given) is None
 
 
 def test_slips_are_the_only_hypotheses_without_a_number():

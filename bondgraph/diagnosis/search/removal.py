@@ -17,7 +17,9 @@ from bondgraph.diagnosis.search.posing import initial_states, suited
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel, pose, prepare
 from bondgraph.fitting.levenberg_marquardt import minimise
+from bondgraph.fitting.uncertainty import uncertainty
 from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.structure.parameters import Parameter
 
 ITERATIONS = 30
 TOLERANCE = 1e-4
@@ -25,6 +27,9 @@ TOLERANCE = 1e-4
 
 SWALLOWED = 0.1
 """A law with less than this share of its strength left is not there any more."""
+
+FADED = 0.5
+"""Nor one that is not told from none, and has less than this share left."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,20 +77,55 @@ def pruned(
 
 
 def swallowed(
-    before: FittedModel, after: FittedModel, earlier: Sequence[Hypothesis]
-) -> Hypothesis | None:
-    """Return an earlier addition of which a later one leaves nothing, if there is one.
+    before: FittedModel,
+    after: FittedModel,
+    earlier: Sequence[Hypothesis],
+    nominal: Mapping[str, Parameter],
+) -> str | None:
+    """Return what was there of which an addition leaves nothing, if there is such.
 
-    The later one is then no further physics but a rival, and has lost against it.
+    The addition is then no further physics but a rival, and has lost: against what was
+    found before it, or against a law that the model has from the start.
+
+    Parameters
+    ----------
+    before, after
+        The model without the addition and with it.
+    earlier
+        What was found before it.
+    nominal
+        The parameters as the model's author gives them.
     """
+    problem = after.problem
+    free = [problem.model.parameter_names[i] for i in problem.free]
+    stds = dict(zip(free, uncertainty(problem, after.optimum).std, strict=True))
+    return gone_from(before.values, after.values, stds, earlier, nominal)
+
+
+def gone_from(
+    before: Mapping[str, float],
+    after: Mapping[str, float],
+    stds: Mapping[str, float],
+    earlier: Sequence[Hypothesis],
+    nominal: Mapping[str, Parameter],
+) -> str | None:
+    """Return what `swallowed` returns, from values and their standard errors."""
+
+    def gone(name: str) -> bool:
+        was, left = abs(before[name]), abs(after[name])
+        in_doubt = left < 2.0 * stds.get(name, 0.0) and left < FADED * was
+        return left < SWALLOWED * was or in_doubt
+
     for hypothesis in earlier:
-        shrunk = [
-            abs(after.values[name]) < SWALLOWED * abs(before.values[name])
-            for name in hypothesis.strengths
-            if name in after.values and name in before.values
-        ]
-        if shrunk and all(shrunk):
-            return hypothesis
+        names = [n for n in hypothesis.strengths if n in after and n in before]
+        if names and all(map(gone, names)):
+            return f"{hypothesis.physics} at {hypothesis.place}"
+    for name in stds:
+        given = nominal.get(name)
+        if given is None or not given.value or given.bounds[0] < 0.0:
+            continue
+        if after[name] < SWALLOWED * given.value <= before.get(name, 0.0):
+            return f"parameter {name}"
     return None
 
 

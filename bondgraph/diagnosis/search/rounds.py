@@ -165,7 +165,7 @@ def search(
     """
     rounds: list[Round] = []
     gains: list[float] = []
-    current = base
+    current, authored = base, base.graph.parameters
     added: tuple[Hypothesis, ...] = ()
     while True:
         number = len(rounds) + 1
@@ -182,9 +182,10 @@ def search(
         added = (*added, candidate.hypothesis)
         shop.progress(f"round {number}: trying without what was added before")
         left = pruned(base, current, candidate.fitted, added, options.rule)
-        lost = swallowed(current, left.fitted, left.kept[:-1])
-        if lost is not None:
-            return [*rounds, _given_up(found, lost)]
+        if rounds:
+            lost = swallowed(current, left.fitted, left.kept[:-1], authored)
+            if lost is not None:
+                return [*rounds, _given_up(found, lost)]
         rounds.append(replace(found, removed=left.removed))
         current, added = finely_stepped(left.fitted, noise), left.kept
         if options.either_hold:
@@ -197,9 +198,9 @@ def search(
             return [*rounds, Round(current)]
 
 
-def _given_up(found: Round, lost: Hypothesis) -> Round:
-    """Return the round without its choice, which stands in for an earlier one."""
-    reason = f"leaves nothing of {lost.physics} at {lost.place}, and came after it"
+def _given_up(found: Round, lost: str) -> Round:
+    """Return the round without its choice, which stands in for what was there."""
+    reason = f"leaves nothing of {lost}, and came after it"
     judged = tuple(
         replace(j, support=Support.REFUTED, reason=reason) if j is found.chosen else j
         for j in found.judged
