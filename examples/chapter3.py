@@ -16,6 +16,8 @@ import numpy as np
 
 mpl.use("Agg")  # pictures are written, no window is opened
 import matplotlib.pyplot as plt
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.signal import lsim
 
@@ -36,7 +38,7 @@ from flegx_models.characterisation.frequency_response import (
     pulse_only,
 )
 from flegx_models.characterisation.hysteresis_fit import identify_hysteresis
-from flegx_models.characterisation.impact_modes import identify_modes
+from flegx_models.characterisation.impact_modes import Mode, identify_modes
 from flegx_models.characterisation.pendulum import swinging_part
 from flegx_models.characterisation.sensor_line import Line, least_squares_line
 from flegx_models.characterisation.torque_hysteresis import (
@@ -45,6 +47,8 @@ from flegx_models.characterisation.torque_hysteresis import (
     UntilMet,
 )
 from flegx_models.parameters_chapter3 import CHAPTER_3
+
+Array = NDArray[np.float64]
 
 P = CHAPTER_3.values_by_name()
 RANDOM = np.random.default_rng(2018)
@@ -119,45 +123,44 @@ def sensor_line(folder: Path) -> None:
     figure.savefig(folder / "sensor_line.png", dpi=110)
 
 
+def hits(place: float, rate: int, samples: int, over: int) -> tuple[Array, Array]:
+    """Return forces and strains of three hits at a place, each (3, samples)."""
+    t = np.arange(samples * over) / (rate * over)
+    link = flexible_link(BEAM, modes=5, force_at=place, gauge_at=0.01, damping=DAMPING)
+    model = state_space(link.finish())
+    system = (model.A, model.B, model.C[:1], model.D[:1])
+    forces, strains = [], []
+    for _ in range(3):
+        width, height = RANDOM.uniform(6e-4, 1e-3), RANDOM.uniform(20, 50)
+        during = (t > 0.02) & (t < 0.02 + width)
+        force = np.where(during, height * np.sin(np.pi * (t - 0.02) / width), 0)
+        strain = lsim(system, force, t)[1][::over]
+        forces.append(force[::over] + RANDOM.normal(0, 0.1, samples))
+        strains.append(strain + RANDOM.normal(0, 1e-6, samples))
+    return np.array(forces), np.array(strains)
+
+
 def impacts(folder: Path) -> None:
     """Draw figures 3.14 to 3.20: impacts, frequency responses and mode shapes."""
     rate, samples, over = 4000, 4000, 10
     places = np.arange(1, 9) / 8 * BEAM.length
-    t = np.arange(samples * over) / (rate * over)
     responses = []
     for place in places:
-        model = state_space(
-            flexible_link(
-                BEAM, modes=5, force_at=place, gauge_at=0.01, damping=DAMPING
-            ).finish()
-        )
-        forces, strains = [], []
-        for _ in range(3):
-            width, height = RANDOM.uniform(6e-4, 1e-3), RANDOM.uniform(20, 50)
-            during = (t > 0.02) & (t < 0.02 + width)
-            force = np.where(during, height * np.sin(np.pi * (t - 0.02) / width), 0)
-            system = (model.A, model.B, model.C[:1], model.D[:1])
-            strain = lsim(system, force, t)[1][::over]
-            forces.append(force[::over] + RANDOM.normal(0, 0.1, samples))
-            strains.append(strain + RANDOM.normal(0, 1e-6, samples))
-        quiet = pulse_only(np.array(forces), samples=8)
-        responses.append(
-            frequency_response(quiet, np.array(strains), interval=1 / rate, decay=3.0)
-        )
+        forces, strains = hits(place, rate, samples, over)
+        quiet = pulse_only(forces, samples=8)
+        response = frequency_response(quiet, strains, interval=1 / rate, decay=3.0)
+        responses.append(response)
     found = identify_modes(responses, band=(15.0, 800.0), count=3)
 
     figure, axes = plt.subplots(2, 3, figsize=(12, 6.5), layout="constrained")
-    axes[0, 0].plot(t[::over], strains[-1] * 1e6, lw=0.6)
+    axes[0, 0].plot(np.arange(samples) / rate, strains[-1] * 1e6, lw=0.6)
     axes[0, 0].set(
         xlabel="time [s]", ylabel="strain [1e-6]", title="Hit at the tip (fig. 3.16)"
     )
     for response, place in zip(responses[1::3], places[1::3], strict=True):
-        axes[0, 1].loglog(
-            response.frequency,
-            np.abs(response.value),
-            lw=0.8,
-            label=f"hit at {place * 1e3:.0f} mm",
-        )
+        label = f"hit at {place * 1e3:.0f} mm"
+        size = np.abs(response.value)
+        axes[0, 1].loglog(response.frequency, size, lw=0.8, label=label)
     for mode in found.modes:
         axes[0, 1].axvline(mode.frequency, color="k", lw=0.6, ls=":")
     axes[0, 1].set(
@@ -171,31 +174,30 @@ def impacts(folder: Path) -> None:
     axes[0, 2].set(
         xlabel="frequency [Hz]", title="Coherence, hit at the tip", xlim=(10, 1000)
     )
-    fine = np.linspace(0, BEAM.length, 200)
-    for r, (mode, axis) in enumerate(zip(found.modes, axes[1], strict=True)):
-        shape = BEAM.shape(r + 1, fine)
-        sign = np.sign(mode.shape[-1] * shape[-1])
-        axis.plot(fine * 1e3, sign * shape / 2, "k-", lw=0.8, label="exact")
-        axis.errorbar(
-            places * 1e3,
-            mode.shape,
-            2 * mode.shape_std,
-            fmt="o",
-            ms=4,
-            label="identified",
-        )
-        axis.set(
-            xlabel="place [mm]",
-            title=f"{mode.frequency:.3f} ± {mode.frequency_std:.3f} Hz, "
-            f"ζ = {mode.damping:.4f} (fig. 3.{18 + r})",
-        )
-        axis.title.set_fontsize(10)
-        axis.legend(fontsize=8)
-        print(
-            f"  mode {r + 1}: {mode.frequency:.3f} ± {mode.frequency_std:.3f} Hz, true "
-            f"{BEAM.frequencies(3)[r] / (2 * math.pi):.3f}"
-        )
+    for order, (mode, axis) in enumerate(zip(found.modes, axes[1], strict=True)):
+        draw_shape(axis, order, mode, places)
     figure.savefig(folder / "impacts.png", dpi=110)
+
+
+def draw_shape(axis: Axes, order: int, mode: Mode, places: Array) -> None:
+    """Draw an identified mode shape on the exact one, and print its frequency."""
+    fine = np.linspace(0, BEAM.length, 200)
+    shape = BEAM.shape(order + 1, fine)
+    sign = np.sign(mode.shape[-1] * shape[-1])
+    axis.plot(fine * 1e3, sign * shape / 2, "k-", lw=0.8, label="exact")
+    error, points = 2 * mode.shape_std, places * 1e3
+    axis.errorbar(points, mode.shape, error, fmt="o", ms=4, label="identified")
+    axis.set(
+        xlabel="place [mm]",
+        title=f"{mode.frequency:.3f} ± {mode.frequency_std:.3f} Hz, "
+        f"ζ = {mode.damping:.4f} (fig. 3.{18 + order})",
+    )
+    axis.title.set_fontsize(10)
+    axis.legend(fontsize=8)
+    print(
+        f"  mode {order + 1}: {mode.frequency:.3f} ± {mode.frequency_std:.3f} Hz, true "
+        f"{BEAM.frequencies(order + 1)[order] / (2 * math.pi):.3f}"
+    )
 
 
 def accelerometer(folder: Path) -> None:

@@ -14,7 +14,7 @@ from scipy.linalg import expm
 from bondgraph import BondGraph, C, I, R, Se
 from bondgraph.diagnosis.diagnose import diagnose
 from bondgraph.diagnosis.records import Verdict
-from bondgraph.diagnosis.search.rounds import Options
+from bondgraph.diagnosis.search.options import Options
 from bondgraph.errors import RecordingError
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.recordings.binding import BoundRecording, bind

@@ -10,7 +10,7 @@ import pytest
 from bondgraph import BondGraph, I, R, Se
 from bondgraph.diagnosis.diagnose import diagnose
 from bondgraph.diagnosis.records import Verdict
-from bondgraph.diagnosis.search.rounds import Options
+from bondgraph.diagnosis.search.options import Options
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.recordings.binding import bind
 from bondgraph.recordings.recording import Recording

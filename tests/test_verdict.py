@@ -13,7 +13,7 @@ from bondgraph.diagnosis.answer.verdict import (
     worse_held_out,
 )
 from bondgraph.diagnosis.records import Verdict
-from bondgraph.diagnosis.search.rounds import Round
+from bondgraph.diagnosis.search.one_round import Round
 from bondgraph.recordings.binding import bind
 from bondgraph.recordings.recording import Recording
 

@@ -18,13 +18,10 @@ from bondgraph.diagnosis.answer.telling import answer
 from bondgraph.diagnosis.misreadings import refuse_unchanging, without_misreadings
 from bondgraph.diagnosis.records import Diagnosis
 from bondgraph.diagnosis.search.between_samples import finely_stepped, fitted_either_way
+from bondgraph.diagnosis.search.horizons import search_settings, sharpened
+from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.plainer import without_needless_parts
-from bondgraph.diagnosis.search.rounds import (
-    Options,
-    search,
-    search_settings,
-    sharpened,
-)
+from bondgraph.diagnosis.search.rounds import search
 from bondgraph.diagnosis.work.clock import Progress
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import workshop

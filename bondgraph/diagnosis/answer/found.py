@@ -14,7 +14,8 @@ from bondgraph.diagnosis.evidence.decision import (
 )
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE, beside_earlier
 from bondgraph.diagnosis.records import Evidence, Finding, Support
-from bondgraph.diagnosis.search.rounds import Options, Round
+from bondgraph.diagnosis.search.one_round import Round
+from bondgraph.diagnosis.search.options import Options
 from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.spread import changes, spread

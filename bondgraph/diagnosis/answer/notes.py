@@ -8,7 +8,8 @@ from typing import Any
 from bondgraph.diagnosis.answer.found import wider_than_chosen
 from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.evidence.decision import Judged
-from bondgraph.diagnosis.search.rounds import Options, Round
+from bondgraph.diagnosis.search.one_round import Round
+from bondgraph.diagnosis.search.options import Options
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.result import FitResult
 from bondgraph.physics.hypothesis import Hypothesis

@@ -28,7 +28,8 @@ from bondgraph.diagnosis.records import (
     Diagnosis,
 )
 from bondgraph.diagnosis.search.candidates import Candidate
-from bondgraph.diagnosis.search.rounds import Options, Round
+from bondgraph.diagnosis.search.one_round import Round
+from bondgraph.diagnosis.search.options import Options
 from bondgraph.fitting.estimate import FittedModel, fit_model, report
 from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording

@@ -13,7 +13,8 @@ from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.records import Comparison, Finding, Support, Verdict
 from bondgraph.diagnosis.search.candidates import CURVE
-from bondgraph.diagnosis.search.rounds import SAME, Round
+from bondgraph.diagnosis.search.horizons import SAME
+from bondgraph.diagnosis.search.one_round import Round
 from bondgraph.fitting.estimate import FittedModel
 
 NOTHING = (AdequacyStatus.ADEQUATE, AdequacyStatus.COLOURED)

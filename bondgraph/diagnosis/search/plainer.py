@@ -11,8 +11,10 @@ from dataclasses import replace
 
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.horizons import sharpened
+from bondgraph.diagnosis.search.one_round import Round
+from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.removal import fitted_with
-from bondgraph.diagnosis.search.rounds import Options, Round, sharpened
 from bondgraph.fitting.estimate import FittedModel, report
 from bondgraph.recordings.binding import BoundRecording
 

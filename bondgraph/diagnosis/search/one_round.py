@@ -1,0 +1,209 @@
+"""One round of search: the whole library, at every place of the current model.
+
+Hypotheses are screened by what each promises, the best are fitted, the best of these
+judged on left-out data, and of the supported ones the simplest is chosen.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.diagnosis.answer.showing import simulate_whole
+from bondgraph.diagnosis.evidence.decision import Judged
+from bondgraph.diagnosis.evidence.judging import Verdicts, judge_all
+from bondgraph.diagnosis.search.bench import Bench
+from bondgraph.diagnosis.search.beyond_noise import explainable
+from bondgraph.diagnosis.search.candidates import (
+    CURVE,
+    Candidate,
+    Promised,
+    Rejected,
+    Screened,
+    propose_all,
+)
+from bondgraph.diagnosis.search.determined import determined
+from bondgraph.diagnosis.search.finer import as_fine_as_told
+from bondgraph.diagnosis.search.fits import fit_best, fit_remembering
+from bondgraph.diagnosis.search.memory import remembering
+from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.screening import screen
+from bondgraph.diagnosis.work.workers import Workshop
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.recordings.binding import BoundRecording
+
+Array = NDArray[np.float64]
+
+RUINED = 2.0
+"""A law with which whole recordings are simulated so many times worse is not the one:
+it fits by states that one has to know, a runaway of its own for instance.
+"""
+
+MUCH = 0.5
+"""A residual of which so much is not noise, and of which nothing at all is found, is
+looked at again: what remembers promises little from afar, for it changes what the other
+numbers are. Behind a first finding that would cost more than it has ever shown.
+"""
+
+HOPELESS = 0.75
+"""A candidate with less than this share of the best reduction is not judged."""
+
+
+@dataclass(frozen=True, slots=True)
+class Round:
+    """What one round of search found.
+
+    Parameters
+    ----------
+    base
+        The model the round started from.
+    tried
+        How many hypotheses were considered.
+    judged, promised, rejected
+        Candidates judged on left-out data, what every hypothesis promised, and those
+        that could not be tried or determined.
+    chosen
+        The one accepted, if any.
+    probability
+        Of its physics being the best of those judged.
+    removed
+        What earlier rounds had added and is needless beside it.
+    """
+
+    base: FittedModel
+    tried: int = 0
+    judged: tuple[Judged, ...] = ()
+    promised: tuple[Promised, ...] = ()
+    rejected: tuple[Rejected, ...] = ()
+    chosen: Judged | None = None
+    probability: float | None = None
+    removed: tuple[Hypothesis, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """What a round of search starts from.
+
+    Parameters
+    ----------
+    base
+        The model to improve.
+    recordings
+        Those that it was fitted to.
+    noise
+        Residual per output that noise excuses, 0 where it is not known.
+    number
+        Of the round, from 1.
+    curves
+        Whether curves without a name are considered.
+    """
+
+    base: FittedModel
+    recordings: Sequence[BoundRecording]
+    noise: Array
+    options: Options
+    number: int
+    curves: bool
+
+    @property
+    def is_first(self) -> bool:
+        """Whether nothing has been found yet."""
+        return self.number == 1
+
+
+def one_round(setting: Setting, shop: Workshop) -> Round:
+    """Propose, screen, fit and judge; return what was found."""
+    base, options = setting.base, setting.options
+    bench = Bench.of(base, shop, f"round {setting.number}")
+    hypotheses = _considered(setting)
+    screened = screen(bench, hypotheses)
+    promising = _promising(screened, options)
+    order = {id(hypothesis): i for i, hypothesis in enumerate(hypotheses)}
+    fitted = fit_best(bench, promising, HOPELESS, options.judged)
+    look = _judged(setting, bench, fitted, order, screened.independent)
+    nothing = setting.is_first and look.verdicts.chosen is None
+    if nothing and explainable(base, setting.noise) > MUCH:
+        first = {id(one.hypothesis) for one in promising}
+        others = [one for one in screened.promised if id(one.hypothesis) not in first]
+        fitted = fit_remembering(bench, others, HOPELESS, options.judged)
+        tried = screened.independent + len(others)
+        look = look.with_another(_judged(setting, bench, fitted, order, tried))
+    verdicts, first_choice = look.verdicts, look.verdicts.chosen
+    chosen = None if first_choice is None else as_fine_as_told(bench, first_choice)
+    kept = [chosen if j is first_choice and chosen else j for j in verdicts.judged]
+    return Round(
+        base,
+        len(hypotheses),
+        tuple(kept),
+        screened.promised,
+        (*screened.rejected, *look.rejected),
+        chosen,
+        verdicts.probability,
+    )
+
+
+def _considered(setting: Setting) -> tuple[Hypothesis, ...]:
+    """Return what the library proposes for the model, as far as it belongs here.
+
+    A wrong sign or unit shows before anything else. Beside a law that has been found it
+    would only bend it: in a unit a thousand times larger every smooth edge is a sharp
+    one.
+    """
+    return tuple(
+        hypothesis
+        for hypothesis in propose_all(setting.base, setting.options.library)
+        if (setting.curves or hypothesis.physics != CURVE)
+        and (setting.is_first or not hypothesis.is_slip)
+    )
+
+
+def _judged(
+    setting: Setting,
+    bench: Bench,
+    fitted: Sequence[Candidate],
+    order: Mapping[int, int],
+    tried: float,
+) -> "_Look":
+    """Judge what is material, determined by the data, and remembers where it must.
+
+    In the order of proposal, by the hypotheses' identities: of twins the first is told.
+    """
+    base, recordings, rule = setting.base, setting.recordings, setting.options.rule
+    least = rule.materiality / 2
+    material = [c for c in fitted if c.reduction(base) >= least]
+    known, undetermined = determined(base, material)
+    worth, forgetful = remembering(base, known, recordings)
+    worth.sort(key=lambda candidate: order[id(candidate.hypothesis)])
+    before = simulate_whole(base, recordings).score.nrmse
+
+    def holds(candidate: Candidate) -> bool:
+        """Return whether whole recordings are simulated about as well as before."""
+        after = simulate_whole(candidate.fitted, recordings).score.nrmse
+        return not after > RUINED * before
+
+    verdicts = judge_all(bench, worth, tried, rule, setting.noise, holds)
+    return _Look(verdicts, (*undetermined, *forgetful))
+
+
+@dataclass(frozen=True, slots=True)
+class _Look:
+    """What was judged of some hypotheses, and which were not worth it."""
+
+    verdicts: Verdicts
+    rejected: tuple[Rejected, ...]
+
+    def with_another(self, other: "_Look") -> "_Look":
+        """Return both looks, with what the other has chosen."""
+        both = (*self.verdicts.judged, *other.verdicts.judged)
+        verdicts = replace(other.verdicts, judged=both)
+        return _Look(verdicts, (*self.rejected, *other.rejected))
+
+
+def _promising(screened: Screened, options: Options) -> list[Promised]:
+    """Return the hypotheses worth a fit, those that promise most first."""
+    worth = options.rule.materiality / 4
+    return [promised for promised in screened.promised if promised.reduction >= worth][
+        : options.fitted
+    ]

@@ -1,0 +1,47 @@
+"""The choices of a diagnosis."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from bondgraph.diagnosis.evidence.decision import Rule
+from bondgraph.diagnosis.work.workers import Here, Where
+from bondgraph.fitting.estimate import FitSettings
+from bondgraph.physics.hypothesis import AbstractPhysics
+from bondgraph.physics.library import LIBRARY
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Options:
+    """Choices of a diagnosis.
+
+    Parameters
+    ----------
+    settings
+        Of the fits.
+    rule
+        When a candidate counts.
+    library
+        The physics considered.
+    fitted, judged
+        How many hypotheses per round are fitted, and judged on left-out data, at most.
+    most_findings
+        Stop after so many.
+    where
+        Where hypotheses are tried: here, in processes, on an executor.
+    resume
+        A directory for the journal of what has been worked out: a diagnosis that was
+        interrupted goes on from there. None for no journal.
+    either_hold
+        Whether inputs may behave between samples as suits the base model better,
+        rather than as `settings` say.
+    """
+
+    settings: FitSettings = field(default_factory=FitSettings)
+    rule: Rule = field(default_factory=Rule)
+    library: tuple[AbstractPhysics, ...] = LIBRARY
+    fitted: int = 40
+    judged: int = 10
+    most_findings: int = 5
+    where: Where = field(default_factory=Here)
+    resume: Path | None = None
+    either_hold: bool = False
