@@ -20,7 +20,8 @@ TRUSTED = ("bondgraph/causality", "bondgraph/equations", "bondgraph/diagnosis/ev
 TESTS = tuple(
     f"tests/test_{name}.py"
     for name in (
-        "causality causality_exhaustive causality_words diagnosis_workers evidence"
+        "causality causality_choices causality_exhaustive causality_words "
+        "diagnosis_workers evidence"
     ).split()
 )
 """The quickest that check these packages; others would kill more, for a longer wait."""
