@@ -28,7 +28,7 @@ from bondgraph.diagnosis.records import (
     Diagnosis,
 )
 from bondgraph.diagnosis.search.candidates import Candidate
-from bondgraph.diagnosis.search.one_round import Round
+from bondgraph.diagnosis.search.one_round import Round, accepted
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.fitting.estimate import FittedModel, fit_model, report
 from bondgraph.fitting.result import FitResult
@@ -50,10 +50,10 @@ def answer(
     """Return the diagnosis that the rounds of a search amount to."""
     base, floor = rounds[0].base, noise_floor(recordings)
     before, after = report(base, graph, recordings), report(final, graph, recordings)
-    accepted = _accepted(rounds)
-    findings, others = findings_of(accepted, after, held_out, options)
+    made = accepted(rounds)
+    findings, others = findings_of(made, after, held_out, options)
     trained = _comparison(base, final, recordings)
-    left = remaining(accepted, floor)
+    left = remaining(made, floor)
     if not trained.after.nrmse < trained.before.nrmse:
         left = max(left, 1.0)
     verdict, statement = verdict_of(
@@ -62,7 +62,7 @@ def answer(
         floor,
         rounds[0],
         left,
-        _checked(base, recordings, accepted),
+        _checked(base, recordings, made),
     )
     statement = with_undecided(verdict, statement, rounds[-1], options.rule)
     shown = _comparison(base, final, held_out)
@@ -79,7 +79,7 @@ def answer(
     candidates = all_evidence(rounds)
     laws = [
         recovered_law(r.base, r.chosen.candidate, final, recordings, _rivals(r))
-        for r in accepted
+        for r in made
         if r.chosen is not None
     ]
     return Diagnosis(
@@ -108,17 +108,6 @@ def answer(
     )
 
 
-def _accepted(rounds: Sequence[Round]) -> list[Round]:
-    """Return the rounds whose addition was made and stayed."""
-    removed = {id(h) for found in rounds for h in found.removed}
-    return [
-        found
-        for found in rounds
-        if found.chosen is not None
-        and id(found.chosen.candidate.hypothesis) not in removed
-    ]
-
-
 def _rivals(found: Round) -> list[Candidate]:
     """Return the best of each other physics judged at the chosen place."""
     chosen = found.chosen
@@ -131,11 +120,11 @@ def _rivals(found: Round) -> list[Candidate]:
 
 
 def _checked(
-    base: FittedModel, recordings: Sequence[BoundRecording], accepted: Sequence[Round]
+    base: FittedModel, recordings: Sequence[BoundRecording], made: Sequence[Round]
 ) -> Adequacy | None:
     """Return whether the base model leaves more than noise, where nothing was found."""
     steady = any(recording.steady for recording in recordings)
-    if accepted or steady or not base.problem.model.n_states:
+    if made or steady or not base.problem.model.n_states:
         return None
     return adequacy(base, recordings)
 

@@ -82,6 +82,23 @@ class Round:
     removed: tuple[Hypothesis, ...] = ()
 
 
+def accepted(rounds: Sequence[Round]) -> list[Round]:
+    """Return the rounds whose addition was made and not taken out by a later one."""
+    removed = {id(hypothesis) for found in rounds for hypothesis in found.removed}
+    return [
+        found
+        for found in rounds
+        if found.chosen is not None
+        and id(found.chosen.candidate.hypothesis) not in removed
+    ]
+
+
+def chosen_in(rounds: Sequence[Round]) -> list[Candidate]:
+    """Return what was accepted, in the order of the rounds."""
+    kept = (found.chosen for found in accepted(rounds))
+    return [chosen.candidate for chosen in kept if chosen is not None]
+
+
 @dataclass(frozen=True, slots=True)
 class Setting:
     """What a round of search starts from.

@@ -12,7 +12,7 @@ from dataclasses import replace
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.horizons import sharpened
-from bondgraph.diagnosis.search.one_round import Round
+from bondgraph.diagnosis.search.one_round import Round, accepted, chosen_in
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.removal import fitted_with
 from bondgraph.fitting.estimate import FittedModel, report
@@ -34,22 +34,33 @@ def without_needless_parts(
     plain = list(rounds)
     for i, found in enumerate(rounds):
         narrower = _narrower(found)
-        if narrower is None:
+        if narrower is None or not any(found is one for one in accepted(rounds)):
             continue
+        elsewhere = _parameters([*plain[:i], *plain[i + 1 :]])
+        wider = [
+            wide
+            for wide in _wider(found, narrower)
+            if not elsewhere & set(wide.candidate.hypothesis.parameters)
+        ]
         finals = {id(found.chosen): final}
-        for wide in _wider(found, narrower):
+        for wide in wider:
             if id(wide) not in finals:
                 chosen = [*plain[:i], replace(found, chosen=wide), *plain[i + 1 :]]
                 finals[id(wide)] = _sharpened_with(chosen, final, recordings, options)
         needless = [
             wide
-            for wide in _wider(found, narrower)
+            for wide in wider
             if _adds_nothing(wide, narrower, finals[id(wide)], recordings)
         ]
         plain[i] = _refuted(found, narrower, needless)
         if plain[i].chosen is not found.chosen:
             final = _sharpened_with(plain, final, recordings, options)
     return plain, final
+
+
+def _parameters(rounds: Sequence[Round]) -> set[str]:
+    """Return the parameters of what the rounds have chosen: each can be added once."""
+    return {name for one in chosen_in(rounds) for name in one.hypothesis.parameters}
 
 
 def _narrower(found: Round) -> Judged | None:
@@ -120,9 +131,7 @@ def _sharpened_with(
     options: Options,
 ) -> FittedModel:
     """Return the final fit of the first model with what the rounds have chosen."""
-    removed = {id(hypothesis) for one in rounds for hypothesis in one.removed}
-    chosen = [one.chosen.candidate for one in rounds if one.chosen is not None]
-    kept = [one for one in chosen if id(one.hypothesis) not in removed]
+    kept = chosen_in(rounds)
     values = {name: v for one in kept for name, v in one.fitted.values.items()}
     hypotheses = [one.hypothesis for one in kept]
     fitted = fitted_with(rounds[0].base, final, hypotheses, values)

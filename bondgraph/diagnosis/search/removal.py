@@ -51,7 +51,8 @@ def pruned(
     """Return the model without what left-out data do not support any more.
 
     What was found is only taken out where that leaves no more parameters than there
-    were before the last addition: else a wider law has merely swallowed a plainer one.
+    were before the last addition, or where the last addition contains it: else a wider
+    law has merely swallowed a plainer one of another kind.
 
     Parameters
     ----------
@@ -70,10 +71,16 @@ def pruned(
         except BondGraphError:
             continue  # A later addition changes what this one has added.
         plainer = len(without.problem.free) <= len(before.problem.free)
-        if plainer and not _needed(without, fitted, rule):
+        within = _contains(added[-1], hypothesis)
+        if (plainer or within) and not _needed(without, fitted, rule):
             fitted, kept = without, rest
             removed.append(hypothesis)
     return Pruned(fitted, tuple(kept), tuple(removed))
+
+
+def _contains(wide: Hypothesis, narrow: Hypothesis) -> bool:
+    """Return whether a law at the same place is the other one and more."""
+    return wide.place == narrow.place and narrow.physics in wide.extends
 
 
 def swallowed(
