@@ -5,10 +5,11 @@ sizes scale the start values of hypotheses; the signals are the abscissae of rec
 laws.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import sympy
 from numpy.typing import NDArray
 
 from bondgraph.equations.derivation import derive
@@ -18,6 +19,7 @@ from bondgraph.fitting.horizon import Horizon, cut
 from bondgraph.fitting.levenberg_marquardt import settle
 from bondgraph.fitting.problem import truncated_inverse
 from bondgraph.numeric.model import compile_model
+from bondgraph.physics.places.displacements import known_displacement
 from bondgraph.physics.places.junction import junction_place
 from bondgraph.physics.places.scales import Scales
 from bondgraph.recordings.binding import BoundRecording
@@ -68,8 +70,10 @@ def _probes(graph: FinishedGraph) -> tuple[Signal, ...]:
     return tuple(unique)
 
 
-def probe(fitted: FittedModel, signals: Sequence[Signal]) -> dict[Signal, Array]:
-    """Return the samples of `signals` in the fitted model's simulation."""
+def probe(
+    fitted: FittedModel, signals: Sequence[sympy.Expr]
+) -> dict[sympy.Expr, Array]:
+    """Return the samples of signals, or of what is made of them, as simulated."""
     graph = replace(
         fitted.graph,
         measurements=(
@@ -116,6 +120,7 @@ def measure_scales(fitted: FittedModel) -> Scales:
         found[measurement.name] = values
         if isinstance(measurement.expression, Signal):
             found[measurement.expression.name] = values
+    found |= _between(graph, found)
     known = {name: x for name, x in found.items() if np.isfinite(x).any()}
     sizes = {name: float(np.sqrt(np.nanmean(x**2))) for name, x in known.items()}
     for junction in graph.junctions:
@@ -133,6 +138,18 @@ def measure_scales(fitted: FittedModel) -> Scales:
         ),
         fitted=fitted.values,
     )
+
+
+def _between(graph: FinishedGraph, found: Mapping[str, Array]) -> dict[str, Array]:
+    """Return displacements that are sums or differences of those found."""
+    between = {}
+    for junction in graph.junctions:
+        parts = known_displacement(graph, junction.name) or {}
+        signs = {displacement(name).name: sign for name, sign in parts.items()}
+        own = displacement(junction.name).name
+        if signs and own not in found and signs.keys() <= found.keys():
+            between[own] = np.sum([s * found[n] for n, s in signs.items()], axis=0)
+    return between
 
 
 def _interval(shots: Shots) -> float:
@@ -232,9 +249,10 @@ def _local_means(
 ) -> dict[str, Array]:
     """Return window means of the local variables, by quantity."""
     own = common_signal(junction)
-    wanted = {own.quantity.value: own}
-    if junction_place(fitted.graph, junction.name, Scales()).displacement_known:
-        wanted[Quantity.DISPLACEMENT.value] = displacement(junction.name)
+    wanted: dict[str, sympy.Expr] = {own.quantity.value: own}
+    moved_by = junction_place(fitted.graph, junction.name, Scales()).displacement_signal
+    if moved_by is not None:
+        wanted[Quantity.DISPLACEMENT.value] = moved_by
     moved = replace(
         fitted,
         problem=replace(fitted.problem, shots=shots),

@@ -76,6 +76,12 @@ class Hypothesis:
         return not self.parameters
 
     @property
+    def waits(self) -> bool:
+        """Whether it acts only beyond what has to be reached first: a stop, a brim."""
+        reached = {"displacement", "effort"} & set(self.depends_on)
+        return bool(reached) and bool(self.law.has(sympy.Max))
+
+    @property
     def silent_starts(self) -> tuple[Mapping[str, float], ...]:
         """The starts that leave the base model as it is, whose slopes tell promise."""
         if not self.strengths:

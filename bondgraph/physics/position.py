@@ -12,19 +12,19 @@ import sympy
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import MECHANICAL, E, F, Place, Q
 from bondgraph.physics.places.element import ElementPlace
-from bondgraph.physics.places.junction import OneJunctionPlace
+from bondgraph.physics.places.junction import JunctionPlace, OneJunctionPlace
 from bondgraph.structure.domains import ROTATION
 from bondgraph.structure.elements import Compliance, EffortSource
-from bondgraph.structure.signals import displacement, f, flow, q
+from bondgraph.structure.signals import f, flow, q
 
 
-def restoring(place: Place, name: str, law: sympy.Expr) -> EffortSource:
+def restoring(place: JunctionPlace, name: str, law: sympy.Expr) -> EffortSource:
     """Return a source whose effort opposes `law`, a law of q and f here.
 
     A C would bring a displacement of its own, with an origin of its own; the effort has
     to read the one that the place already has.
     """
-    here = {q: displacement(place.name), f: flow(place.name)}
+    here = {q: place.displacement_signal, f: flow(place.name)}
     return EffortSource(name, value=-law.xreplace(here))
 
 
@@ -127,7 +127,8 @@ class EndStop(AbstractPhysics):
         "hardening spring where the stop is soft"
     )
     domains = MECHANICAL
-    shares = (0.5, 0.65, 0.8, 0.95)
+    shares = (0.5, 0.65, 0.8, 0.95, 0.99)
+    """Of the way that was seen: where a stop is looked for, a hard one at the end."""
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield the upper and the lower stop where the displacement is known."""
@@ -143,21 +144,17 @@ class EndStop(AbstractPhysics):
     ) -> Hypothesis:
         way = abs(end - begin)
         at = tuple(begin + share * (end - begin) for share in self.shares)
-        stiff = 5.0 * place.effort / way
-        none, some = (0.0,) * len(at), (stiff,) * len(at)
+        # What stops a motion within the rest of the way takes all effort there.
+        some = tuple(place.effort / ((1.0 - share) * way) for share in self.shares)
+        none = (0.0,) * len(at)
         end_name = "upper" if side > 0 else "lower"
         stop = place.shape(f"{end_name}_stop", place.unit(Q), at * 2)
         k = place.strength(
             f"{end_name}_stop_stiffness", place.unit(E, Q), none + some, low=0.0
         )
         unit = place.per(place.unit(E), Q, F)
-        damping = 0.2 * stiff / place.flow
-        d = place.strength(
-            f"{end_name}_stop_damping",
-            unit,
-            none + (damping,) * len(at),
-            low=0.0,
-        )
+        damping = tuple(0.2 * stiff / place.flow for stiff in some)
+        d = place.strength(f"{end_name}_stop_damping", unit, none + damping, low=0.0)
         pressed = sympy.Max(side * (q - stop.symbol), 0)
         law = side * k.symbol * pressed + d.symbol * pressed * f
         element = restoring(place, place.name_of(f"{end_name}_end_stop"), law)

@@ -10,7 +10,6 @@ from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import junction_place
 from bondgraph.structure.domains import ROTATION
 from bondgraph.structure.elements import Transformer
-from bondgraph.structure.signals import displacement
 
 
 class Eccentricity(AbstractPhysics):
@@ -31,13 +30,15 @@ class Eccentricity(AbstractPhysics):
             shaft = place.graph.domain_at(name) == ROTATION
             if shaft and place.is_one_junction(name):
                 side = junction_place(place.graph, name, place.scales)
-                if side.displacement_known:
-                    yield self._once_per_turn(place, name)
+                angle = side.displacement_signal
+                if angle is not None:
+                    yield self._once_per_turn(place, name, angle)
 
-    def _once_per_turn(self, place: ElementPlace, shaft: str) -> Hypothesis:
+    def _once_per_turn(
+        self, place: ElementPlace, shaft: str, angle: sympy.Expr
+    ) -> Hypothesis:
         a = place.strength(f"runout_sine_{shaft}", "1", (0.0, 0.05))
         b = place.strength(f"runout_cosine_{shaft}", "1", (0.0, 0.05))
-        angle = displacement(shaft)
         ripple = a.symbol * sympy.sin(angle) + b.symbol * sympy.cos(angle)
         law = place.usual_law * (1 + ripple)
         words = f"{place.name} varies once per turn of {shaft}"

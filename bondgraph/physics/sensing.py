@@ -79,8 +79,10 @@ class SensorNonlinearity(AbstractPhysics):
             yield self._rectified(place)
 
     def _bent(self, place: OutputPlace) -> Hypothesis:
-        square = place.strength("sensor_square", "1", (0.0, 0.05))
-        cube = place.strength("sensor_cube", "1", (0.0, 0.05))
+        # At the peak it reads at most twice what is there, for each of the two bends.
+        low, high = -1.0, 1.0
+        square = place.strength("sensor_square", "1", (0.0, 0.05), low=low, high=high)
+        cube = place.strength("sensor_cube", "1", (0.0, 0.05), low=low, high=high)
         size = place.constant("sensor_size", place.channel_unit, place.peak)
         x = place.signal / size.symbol
         law = place.signal * (1 + square.symbol * x + cube.symbol * x**2)

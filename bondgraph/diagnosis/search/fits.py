@@ -5,7 +5,8 @@ its additions, a narrower one's with them, and the same law's at another place a
 better starts; every candidate is refitted from relatives that fit better.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,14 +18,19 @@ from bondgraph.diagnosis.search.trying import (
     Trial,
     fit_briefly,
     fit_fully,
+    fit_on,
     fit_what_remembers,
 )
+from bondgraph.diagnosis.work.journal import Plain
 from bondgraph.diagnosis.work.workers import Work
 from bondgraph.physics.hypothesis import Hypothesis
 
 RELATIVE_BETTER = 0.99
 KEPT_PROMISE = 0.8
 """A short fit that keeps this share of what was promised needs no other start."""
+
+ON_THE_WAY = 0.4
+"""A law that has come so far towards the leading one and has not ended may pass it."""
 
 WIDER = 4
 """Laws that contain the leading one are tried from its optimum, at most so many."""
@@ -62,37 +68,76 @@ def fit_best(
         Trial(one.hypothesis, enough=KEPT_PROMISE * one.reduction) for one in promised
     ]
     brief = bench.run(work, trials, "short fits", few=True)
-    base_cost = bench.few.optimum.cost
-    reached = [
-        (1.0 - result["cost"] / base_cost, hypothesis, result)
-        for hypothesis, result in zip(hypotheses, brief, strict=True)
-        if "refused" not in result
-    ]
+    reached = _reached(bench, zip(hypotheses, brief, strict=True))
     if not reached:
         return []
-    reached.sort(key=lambda one: -one[0])
-    lead = max((r for r, h, _ in reached if h.physics != CURVE), default=-np.inf)
+    reached = _gone_on(bench, reached, most)
+    best, lead = reached[0].reduction, _lead(reached)
     kept = [
-        (reduction, hypothesis, result)
-        for reduction, hypothesis, result in reached
-        if reduction >= keep * (reached[0][0] if hypothesis.physics == CURVE else lead)
+        one
+        for one in reached
+        if one.reduction >= keep * (best if one.hypothesis.physics == CURVE else lead)
     ][:most]
     same = bench.few is bench.base
-    starts = [
-        Trial(
-            h,
-            (
-                Start(
-                    r["values"],
-                    np.array(r["initial"]) if same else None,
-                    solver_named(*r["solver"]),
-                ),
-            ),
-        )
-        for _, h, r in kept
-    ]
+    starts = [one.as_start(with_states=same) for one in kept]
     fitted = bench.run(fit_fully, starts, "fits")
     return _related(bench, bench.candidates(starts, fitted), hypotheses)
+
+
+@dataclass(frozen=True, slots=True)
+class _Reached:
+    """What a short fit has come to: the share of the base's cost that it takes away."""
+
+    reduction: float
+    hypothesis: Hypothesis
+    result: Plain
+
+    def as_start(self, *, with_states: bool) -> Trial:
+        """Return the trial that goes on from here."""
+        states = np.array(self.result["initial"]) if with_states else None
+        solver = solver_named(*self.result["solver"])
+        return Trial(self.hypothesis, (Start(self.result["values"], states, solver),))
+
+
+def _reached(
+    bench: Bench, results: Iterable[tuple[Hypothesis, Plain]]
+) -> list[_Reached]:
+    """Return what short fits have come to, the best first, without those refused."""
+    cost = bench.few.optimum.cost
+    found = [
+        _Reached(1.0 - result["cost"] / cost, hypothesis, result)
+        for hypothesis, result in results
+        if "refused" not in result
+    ]
+    return sorted(found, key=lambda one: -one.reduction)
+
+
+def _lead(reached: Sequence[_Reached]) -> float:
+    """Return the largest reduction by a law with a name."""
+    named = (one.reduction for one in reached if one.hypothesis.physics != CURVE)
+    return max(named, default=-np.inf)
+
+
+def _gone_on(bench: Bench, reached: list[_Reached], most: int) -> list[_Reached]:
+    """Return them again, those gone on that were stopped on their way to the lead.
+
+    Of two laws fitted briefly the one that has more to learn is behind, the right one
+    too: beside a large effect all other numbers of the model are wrong at first.
+    """
+    lead = _lead(reached)
+    coming = [
+        one
+        for one in reached
+        if one.reduction >= ON_THE_WAY * lead
+        and not one.result["converged"]
+        and one.hypothesis.physics != CURVE
+    ][:most]
+    trials = [one.as_start(with_states=True) for one in coming]
+    longer = bench.run(fit_on, trials, "longer fits", few=True)
+    there = _reached(bench, zip([t.hypothesis for t in trials], longer, strict=True))
+    gone = {id(one.hypothesis) for one in there}
+    rest = [one for one in reached if id(one.hypothesis) not in gone]
+    return sorted([*there, *rest], key=lambda one: -one.reduction)
 
 
 def _related(

@@ -113,6 +113,8 @@ class Setting:
         Residual per output that noise excuses, 0 where it is not known.
     number
         Of the round, from 1.
+    found
+        What earlier rounds have added and not taken out: no law is added twice.
     curves
         Whether curves without a name are considered.
     """
@@ -122,11 +124,12 @@ class Setting:
     noise: Array
     options: Options
     number: int
+    found: tuple[Hypothesis, ...]
     curves: bool
 
     @property
     def is_first(self) -> bool:
-        """Whether nothing has been found yet."""
+        """Whether this is the first round."""
         return self.number == 1
 
 
@@ -168,11 +171,13 @@ def _considered(setting: Setting) -> tuple[Hypothesis, ...]:
     would only bend it: in a unit a thousand times larger every smooth edge is a sharp
     one.
     """
+    there = {(one.physics, one.place, one.words) for one in setting.found}
     return tuple(
-        hypothesis
-        for hypothesis in propose_all(setting.base, setting.options.library)
-        if (setting.curves or hypothesis.physics != CURVE)
-        and (setting.is_first or not hypothesis.is_slip)
+        one
+        for one in propose_all(setting.base, setting.options.library)
+        if (setting.curves or one.physics != CURVE)
+        and (setting.is_first or not one.is_slip)
+        and (one.physics, one.place, one.words) not in there
     )
 
 

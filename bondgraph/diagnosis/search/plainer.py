@@ -18,8 +18,10 @@ from bondgraph.diagnosis.search.removal import fitted_with
 from bondgraph.fitting.estimate import FittedModel, report
 from bondgraph.recordings.binding import BoundRecording
 
-ERRORS = 2.0
-"""Standard deviations within which a strength is nothing."""
+ERRORS = 2.58
+"""Standard deviations within which a strength is nothing: one time in a hundred chance
+goes beyond.
+"""
 
 REASON = "the final fit finds what it adds to the plainer law to be nothing"
 

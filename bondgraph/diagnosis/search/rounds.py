@@ -56,7 +56,7 @@ def search(
             return [*rounds, Round(current)]
         # Where a named law has explained nearly all, a free curve would only bend it.
         much = left_beside(base, current, noise) > options.rule.materiality
-        setting = Setting(current, recordings, noise, options, number, much)
+        setting = Setting(current, recordings, noise, options, number, added, much)
         found = one_round(setting, shop)
         if found.chosen is None:
             return [*rounds, found]

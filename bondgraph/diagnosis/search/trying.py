@@ -23,13 +23,13 @@ from bondgraph.diagnosis.search.steps import faithful
 from bondgraph.diagnosis.search.surrogates import Baseline
 from bondgraph.diagnosis.work.journal import Plain
 from bondgraph.errors import BondGraphError
-from bondgraph.fitting.estimate import FittedModel
+from bondgraph.fitting.estimate import FittedModel, first_guess
 from bondgraph.fitting.levenberg_marquardt import (
     Optimum,
     minimise,
     settle,
 )
-from bondgraph.fitting.problem import FitProblem
+from bondgraph.fitting.problem import FitProblem, linearise_windows
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.simulation.solvers import Solver
 
@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 PROMISE_ITERATIONS = 5
 SHORT_ITERATIONS = 5
 LONGER = 15
-"""A short fit that has not kept its promise goes on for so many."""
+"""A short fit that has not kept its promise, or is on its way, goes on for so many."""
 FULL_ITERATIONS = 30
 SETTLE_ITERATIONS = 4
 TOLERANCE = 1e-4
@@ -100,8 +100,11 @@ def promise(baseline: Baseline, trial: Trial) -> Plain:
                 for theta in tried
             ]
             chance = np.max([score.by_chance for score in scores], axis=0)
+            promised = max(score.promised for score in scores)
+            if hypothesis.waits:
+                promised = max(promised, _at_its_starts(base, trial))
             return {
-                "promised": max(score.promised for score in scores),
+                "promised": promised,
                 "by_chance": [round(float(share), 6) for share in chance],
             }
         problem = pose_hypothesis(base, hypothesis)
@@ -126,6 +129,11 @@ def fit_what_remembers(base: FittedModel, trial: Trial) -> Plain:
         return _fitted(base, trial, SHORT_ITERATIONS)
 
     return _or_refused(fitted)
+
+
+def fit_on(base: FittedModel, trial: Trial) -> Plain:
+    """Return a fit that goes on where a short one of the trial has stopped."""
+    return _or_refused(lambda: _fitted(base, trial, LONGER))
 
 
 def fit_fully(base: FittedModel, trial: Trial) -> Plain:
@@ -189,7 +197,10 @@ def _begin(
     own = initial_states(base, problem.model.state_names)
     if not trial.starts:
         starts = thetas(base, hypothesis, problem, hypothesis.starts)
-        return [(theta, _settled(base, problem, theta)) for theta in starts]
+        begun = [(theta, _settled(base, problem, theta)) for theta in starts]
+        if not hypothesis.waits or not problem.model.n_states:
+            return begun
+        return [(theta, _or_early(problem, theta, own)) for theta, own in begun]
     begin = []
     for start in trial.starts:
         (theta,) = thetas(base, hypothesis, problem, (start.values,))
@@ -207,6 +218,28 @@ def _settled(base: FittedModel, problem: FitProblem, theta: Array) -> Array:
     if set(names) <= set(base.problem.model.state_names):
         return initial
     return settle(problem, theta, initial, SETTLE_ITERATIONS)[0]
+
+
+def _or_early(problem: FitProblem, theta: Array, states: Array) -> Array:
+    """Return initial states by window: those given, or what the first samples say.
+
+    The base model's are bent over the whole window by what it leaves out. From them a
+    stop is never reached that was hit: its motion ends before.
+    """
+    here = linearise_windows(problem, theta, states)
+    early = first_guess(problem, theta)
+    early, there = settle(problem, theta, early, SETTLE_ITERATIONS)
+    return np.where((there.cost < here.cost)[:, None], early, states)
+
+
+def _at_its_starts(base: FittedModel, trial: Trial) -> float:
+    """Return the share of the base's cost that the best start takes away as it is."""
+    problem = pose_hypothesis(base, trial.hypothesis)
+    costs = (
+        np.sum(linearise_windows(problem, theta, states).cost)
+        for theta, states in _begin(base, trial, problem)
+    )
+    return float(1.0 - min(costs) / base.optimum.cost)
 
 
 def restored(base: FittedModel, trial: Trial) -> FittedModel:

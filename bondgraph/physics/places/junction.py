@@ -2,7 +2,10 @@
 
 from dataclasses import dataclass
 
+import sympy
+
 from bondgraph.physics.places.base import Coefficient, P, Place, Q
+from bondgraph.physics.places.displacements import known_displacement
 from bondgraph.physics.places.scales import Scales
 from bondgraph.structure.domains import EnergyDomain, Quantity
 from bondgraph.structure.edits import InsertElement, SignalState
@@ -35,9 +38,14 @@ class JunctionPlace(Place):
         return tuple(self.graph.node(bond.other(self.name)) for bond in bonds)
 
     @property
+    def displacement_signal(self) -> sympy.Expr | None:
+        """The displacement here, where it is absolute; None elsewhere."""
+        return None
+
+    @property
     def displacement_known(self) -> bool:
         """Whether there is a displacement here that is absolute."""
-        return False
+        return self.displacement_signal is not None
 
     @property
     def has_free_bias(self) -> bool:
@@ -112,15 +120,12 @@ class OneJunctionPlace(JunctionPlace):
     """A 1-junction: what hangs there shares its flow and adds an effort."""
 
     @property
-    def displacement_known(self) -> bool:
-        """Whether the displacement is absolute here: measured, or that of a C.
-
-        Elsewhere its origin would be free in every window, which explains too much.
-        """
-        own = displacement(self.name)
-        if any(m.expression.has(own) for m in self.graph.measurements):
-            return True
-        return any(isinstance(node, Compliance) for node in self.neighbours)
+    def displacement_signal(self) -> sympy.Expr | None:
+        """The displacement here: measured, that of a C, or between two such."""
+        parts = known_displacement(self.graph, self.name)
+        if parts is None:
+            return None
+        return sympy.Add(*(sign * displacement(name) for name, sign in parts.items()))
 
 
 @dataclass(frozen=True, slots=True)
