@@ -88,17 +88,18 @@ def test_a_stop_that_is_hit_once_is_found_from_where_the_motion_began():
     g.parameter("m", 1.0, "kg", std=0.0)
     g.parameter("b", 0.4, "N*s/m", bounds=(0.01, 10))
     graph = g.finish()
-    time = np.arange(800) * 0.01
-    force = np.where(time < 4.0, 0.3, -0.6) + 0.4 * np.sin(3.0 * time)
+    time = np.arange(1200) * 0.01
+    force = 0.6 * np.sin(1.1 * time + 2.0) + 0.4 * np.sin(3.0 * time)
     noise = 5e-4 * np.random.default_rng(1).standard_normal(time.size)
-    x = stopped_cart(time, force, stop=1.2) + noise
-    assert x.max() == pytest.approx(1.2, abs=0.01)
+    x = stopped_cart(time, force, stop=0.35) + noise
+    assert x.max() == pytest.approx(0.35, abs=0.005)
     channels = {"force": (force, "N"), "x": (x, "m")}
     recording = bind_to(graph, Recording.from_arrays("run", time, channels))
-    settings = FitSettings(horizon=Windows(200))
+    settings = FitSettings(horizon=Windows(600))
     base = fit_model(graph, [recording], settings)
     place = places(graph, "cart", measure_scales(base))[0]
     upper = next(h for h in EndStop().propose(place) if "upper" in h.words)
     found = fit_briefly(base, Trial(upper, enough=0.99))
-    assert found["cost"] < 0.02 * base.optimum.cost
-    assert found["values"]["upper_stop_cart"] == pytest.approx(1.2, abs=0.02)
+    # From the base model's states a short fit leaves 3 %.
+    assert found["cost"] < 0.01 * base.optimum.cost
+    assert found["values"]["upper_stop_cart"] == pytest.approx(0.35, abs=0.01)
