@@ -102,4 +102,4 @@ def test_a_stop_that_is_hit_once_is_found_from_where_the_motion_began():
     found = fit_briefly(base, Trial(upper, enough=0.99))
     # From the base model's states a short fit leaves 3 %.
     assert found["cost"] < 0.01 * base.optimum.cost
-    assert found["values"]["upper_stop_cart"] == pytest.approx(0.35, abs=0.01)
+    assert found["values"]["upper_stop_cart"] == pytest.approx(0.35, abs=0.02)
