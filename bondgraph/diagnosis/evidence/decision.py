@@ -204,10 +204,15 @@ def alternatives_to(
 
 
 def _extends(wider: Judged, narrower: Judged) -> bool:
-    """Return whether the wider law contains the narrower one."""
-    same = wider.physics == narrower.physics
+    """Return whether the wider law contains the narrower one.
+
+    With the same word it does at the same place only: elsewhere, also with more
+    parameters, it is another place that the data do not tell from this one.
+    """
+    if narrower.physics in wider.candidate.hypothesis.extends:
+        return True
     more = wider.candidate.complexity > narrower.candidate.complexity
-    return narrower.physics in wider.candidate.hypothesis.extends or (same and more)
+    return more and wider.physics == narrower.physics and wider.place == narrower.place
 
 
 def probability(
