@@ -45,7 +45,13 @@ COVERED, TRIED = "coverage.json", "tried.jsonl"
 
 def cover(work: Path) -> None:
     """Run the tests once; keep how long each takes and which lines each runs."""
-    coverage, pytest = import_module("coverage"), import_module("pytest")
+    try:
+        coverage = import_module("coverage")
+    except ModuleNotFoundError:
+        raise SystemExit(
+            "This needs the package coverage: pip install -e '.[benchmarks]'."
+        ) from None
+    pytest = import_module("pytest")
     measured = coverage.Coverage(
         branch=True, source=list(TRUSTED), data_file=str(work / "coverage")
     )
@@ -87,6 +93,10 @@ class _Listener:
 
 def try_mutants(work: Path, sample: int, seed: int, seconds: float, only: str) -> None:
     """Try a sample of all mutants that was not tried yet, as long as there is time."""
+    if not (work / COVERED).exists():
+        raise SystemExit(
+            "Which test runs which line is not known yet: say coverage first."
+        )
     covered = json.loads((work / COVERED).read_text())
     every = [
         mutant
