@@ -2,7 +2,7 @@
 
 import sympy
 
-from bondgraph import BondGraph, C, I, IField, R, RField, Se, e, f, ports, q
+from bondgraph import BondGraph, C, I, IField, R, RField, Se, e, f, p, ports, q
 from bondgraph.causality.choices import Choice, choices
 from bondgraph.causality.propagation import StrokeBoard
 
@@ -17,8 +17,10 @@ GIVES_FLOW = (a * e1 + e2, b * e2 + e1)
 
 def offered(graph: BondGraph) -> dict[str, tuple[Choice, StrokeBoard]]:
     """Return the choices by port, in their order, each with its board."""
-    board = StrokeBoard(graph.finish())
-    return {choice.port: (choice, board) for choice in choices(board, ())}
+    finished = graph.finish()
+    board = StrokeBoard(finished)
+    found = choices(board, finished.preferences)
+    return {choice.port: (choice, board) for choice in found}
 
 
 def beside(field: IField | RField, *others: I | C | R) -> BondGraph:
@@ -91,3 +93,34 @@ def test_a_bent_storage_field_comes_before_straight_storages() -> None:
     straight = IField.from_matrix("m", [[2, 1], [1, 3]])
     assert next(iter(offered(beside(straight, I("plain"))))) == "plain"
     assert wanted_at(beside(straight), "m[1]") == "m"
+
+
+def wished(port: str, wanted: str) -> list[str]:
+    """Return the order of choices on one junction where the author has one wish."""
+    graph = BondGraph("row")
+    graph.one(
+        "cart",
+        R("stuck", law=a * sympy.sign(f)),
+        R("straight", law=a * f),
+        C("stop", law=a * sympy.sign(q)),
+        I("mass"),
+    )
+    graph.prefer(port, wanted)
+    return list(offered(graph))
+
+
+def test_what_the_author_wishes_is_chosen_first_among_its_like() -> None:
+    assert wished("mass", "integral") == ["mass", "stop", "stuck", "straight"]
+    # A resistance's wish comes before all other resistances and after every storage.
+    order = wished("straight", "effort")
+    assert order == ["stop", "mass", "straight", "stuck"]
+
+
+def test_a_constant_law_works_one_way_only_and_a_plain_one_both() -> None:
+    graph = BondGraph("row")
+    graph.one("cart", R("plain", law=f), R("constant", law=a), I("m", law=p), C("k"))
+    order = list(offered(graph))
+    assert order == ["m", "k", "constant", "plain"]
+    graph = BondGraph("row")
+    graph.one("cart", I("plain", law=p), I("cubic", law=a * p**3), C("k"))
+    assert list(offered(graph)) == ["cubic", "plain", "k"]
