@@ -1,5 +1,6 @@
 """A law that explains little of a large error is not called the cause."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,6 +11,7 @@ from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
 from bondgraph.diagnosis.answer.leftover import excusable
 from bondgraph.diagnosis.answer.verdict import (
     verdict_of,
+    without_size,
     worse_held_out,
 )
 from bondgraph.diagnosis.records import Verdict
@@ -35,6 +37,28 @@ def test_what_explains_less_than_half_is_not_the_cause(remaining, verdict):
     assert ("20 % of the error on left-out data remains" in statement) == (
         remaining == 0.2
     )
+
+
+def _found(*estimates):
+    finding = cart_diagnosis().findings[0]
+    some = finding.estimates[0]
+    told = tuple(replace(some, value=value, std=std) for value, std in estimates)
+    return replace(finding, estimates=told)
+
+
+def test_a_law_without_a_single_known_number_is_not_relied_on():
+    known, hollow = _found((2.0, 0.1), (0.3, None)), _found((2.0, 30.0), (0.3, None))
+    missing = Verdict.PHYSICS_MISSING
+    assert without_size(missing, "Found.", [known]) == (missing, "Found.")
+    verdict, statement = without_size(missing, "Found.", [hollow, known])
+    assert verdict is Verdict.UNEXPLAINED
+    assert "do not rely on it" in statement
+    # A later one says so and leaves the first what it is.
+    verdict, statement = without_size(missing, "Found.", [known, hollow])
+    assert verdict is missing
+    assert "determine no number of" in statement
+    # Two channels swapped have no number to be known.
+    assert without_size(missing, "Found.", [_found()]) == (missing, "Found.")
 
 
 def _recorded(values):

@@ -19,6 +19,7 @@ from bondgraph.diagnosis.answer.verdict import (
     verdict_of,
     with_undecided,
     with_values,
+    without_size,
     worse_held_out,
 )
 from bondgraph.diagnosis.answer.wording import next_experiment
@@ -69,6 +70,7 @@ def answer(
     if not np.isfinite(shown.after.nrmse) and np.isfinite(shown.before.nrmse):
         verdict, statement = not_simulated(verdict, statement)
     verdict, statement = worse_held_out(verdict, statement, shown)
+    verdict, statement = without_size(verdict, statement, findings)
     wrong = contradicted(graph, after.estimates)
     if wrong:
         verdict, statement = with_values(verdict, statement, wrong)

@@ -209,6 +209,33 @@ def worse_held_out(
     return (Verdict.UNEXPLAINED if after > SPOILT * before else verdict), told
 
 
+def without_size(
+    verdict: Verdict, statement: str, findings: Sequence[Finding]
+) -> tuple[Verdict, str]:
+    """Return the verdict where nothing tells a single number of what was found.
+
+    A law of which no size, no place and no time is told from none only lends its form
+    to something else. What was found first decides the verdict.
+    """
+    hollow = [
+        finding
+        for finding in findings
+        if finding.estimates
+        and all(
+            e.std is None or abs(e.value) <= ERRORS * e.std for e in finding.estimates
+        )
+    ]
+    if verdict is not Verdict.PHYSICS_MISSING or not hollow:
+        return verdict, statement
+    names = " and ".join(f"{name_of(f.physics)} at {f.place}" for f in hollow)
+    told = (
+        f"{statement} But these recordings determine no number of {names}, which may "
+        "stand for something else: do not rely on it."
+    )
+    first = hollow[0] is findings[0]
+    return (Verdict.UNEXPLAINED if first else verdict), told
+
+
 def not_simulated(verdict: Verdict, statement: str) -> tuple[Verdict, str]:
     """Return the verdict where the improved model fails on the held-out recordings."""
     told = (
