@@ -147,11 +147,21 @@ def test_an_answer_is_taken_to_the_controller(tmp_path):
 def test_a_finding_stands_for_one_piece_and_what_else_is_said_is_told(tmp_path):
     said = (
         ("direction_dependent_friction", "motor"),
-        ("compliance", "joint"),
+        ("compliance", "K_worm_gear"),
         ("gravity", "joint"),
         ("lag", "worm"),
     )
-    findings = [{"physics": physics, "place": place} for physics, place in said]
+    known = {"size": {"value": 1.0, "std": 0.1}}
+    findings = [
+        {
+            "physics": physics,
+            "place": place,
+            "indistinguishable_places": [],
+            "parameters": known,
+        }
+        for physics, place in said
+    ]
+    findings[1]["indistinguishable_places"] = ["joint"]
     error = {"rmse": {"theta": 0.5}}
     told = {
         "verdict": "physics_missing",
@@ -168,4 +178,8 @@ def test_a_finding_stands_for_one_piece_and_what_else_is_said_is_told(tmp_path):
         "filter": Told.SILENT,  # at a place where no filter can be
     }
     assert found.beside == ("gravity at joint", "lag at worm")
+    findings[1]["parameters"] = {"size": {"value": 1.0, "std": 30.0}}
+    answer.write_text(json.dumps(told), "utf-8")
+    assert telling(answer).pieces["tendons"] is Told.SILENT
+    assert "compliance at K_worm_gear (no size)" in telling(answer).beside
     assert concealed_in("upperleg_flight_all") == ("worm", "link", "filter")

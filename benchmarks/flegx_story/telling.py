@@ -4,6 +4,10 @@ Written down before the diagnoses of the four drives were run; one of them, of t
 worm's friction alone, had been seen. Places are names of the printed models. Motor,
 worm, joint and support turn together there, so that only what lies between them can
 tell one from the other.
+
+As in the proof, a place that the answer calls not told from the one it names counts as
+named; a finding of which no number is known counts as nothing. These two rules were
+added with the first answers that needed them.
 """
 
 import json
@@ -66,27 +70,41 @@ def concealed_in(name: str) -> tuple[str, ...]:
     return tuple(one for one in pieces if joint.tendons or one != "tendons")
 
 
+def _named(finding: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the place of a finding, and the others that it names where it has a size.
+
+    Some number of it has to be told from none by two standard errors.
+    """
+    sized = any(
+        one["std"] is not None and abs(one["value"]) > 2.0 * one["std"]
+        for one in finding["parameters"].values()
+    )
+    others = finding["indistinguishable_places"]
+    return (finding["place"], *others) if sized else (f"{finding['place']} (no size)",)
+
+
 def telling(answer: Path) -> Telling:
     """Return what an answer has right; a finding stands for one piece at most."""
     told: dict[str, Any] = json.loads(answer.read_text("utf-8"))
-    left = [(one["physics"], one["place"]) for one in told["findings"]]
+    left = [(one["physics"], _named(one)) for one in told["findings"]]
     pieces = dict.fromkeys(concealed_in(answer.stem), Told.SILENT)
     for wanted in (Told.RIGHT, Told.KIND):
         for piece, found in pieces.items():
             words, places = RIGHT[piece]
-            for physics, place in left if found is Told.SILENT else ():
+            for physics, named in left if found is Told.SILENT else ():
                 exact = physics in words
                 alike = any(word in physics for word in FAMILY[piece])
-                if place in places and (exact if wanted is Told.RIGHT else alike):
+                there = not set(named).isdisjoint(places)
+                if there and (exact if wanted is Told.RIGHT else alike):
                     pieces[piece] = wanted
-                    left.remove((physics, place))
+                    left.remove((physics, named))
                     break
     errors = told["fit"]["held_out"]
     return Telling(
         name=answer.stem,
         verdict=told["verdict"],
         pieces=pieces,
-        beside=tuple(f"{physics} at {place}" for physics, place in left),
+        beside=tuple(f"{physics} at {named[0]}" for physics, named in left),
         before=errors["before"]["rmse"]["theta"],
         after=errors["after"]["rmse"]["theta"],
     )
