@@ -105,7 +105,7 @@ def identifiability(
     rich = replace(problem, shots=_excited(problem.shots, random))
     theta = problem.start[problem.free]
     initial = random.normal(size=(problem.shots.n_windows, model.n_states))
-    names = [model.parameter_names[i] for i in problem.free]
+    names = problem.free_names
     general = around(rich, theta, initial, random)
     special = around(problem, theta, initial, random)
     if not general or not special:

@@ -156,7 +156,7 @@ def _estimates(
 ) -> tuple[Estimate, ...]:
     covariance = truncated_inverse(climbed.information, 1e-12)
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    names = [problem.model.parameter_names[i] for i in problem.free]
+    names = problem.free_names
     return tuple(
         Estimate(
             name=name,

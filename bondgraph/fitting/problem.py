@@ -64,6 +64,11 @@ class FitProblem:
     correlation: Array = field(default_factory=lambda: np.zeros(1))
 
     @property
+    def free_names(self) -> list[str]:
+        """The names of the fitted parameters, in the order of their values."""
+        return [self.model.parameter_names[i] for i in self.free]
+
+    @property
     def measured(self) -> NDArray[np.int64]:
         """How many samples of each output were measured; at least one."""
         count: NDArray[np.int64] = np.isfinite(self.shots.outputs).sum(axis=0)

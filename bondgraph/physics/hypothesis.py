@@ -96,6 +96,10 @@ class Hypothesis:
             if all(abs(start[name]) == least[name] for name in self.strengths)
         )
 
+    def contains(self, narrower: "Hypothesis") -> bool:
+        """Return whether this law is the other one, at the same place, and more."""
+        return self.place == narrower.place and narrower.physics in self.extends
+
     def apply(self, graph: FinishedGraph) -> FinishedGraph:
         """Return the graph with the physics inserted."""
         return self.edit.apply(graph)

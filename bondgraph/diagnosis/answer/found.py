@@ -81,8 +81,7 @@ def wider_than_chosen(found: Round, options: Options) -> list[Judged]:
         j
         for j in found.judged
         if chosen is not None
-        and j.place == chosen.place
-        and chosen.physics in j.candidate.hypothesis.extends
+        and j.candidate.hypothesis.contains(chosen.candidate.hypothesis)
         and (
             j.support is Support.REFUTED or not clearly_better(j, chosen, options.rule)
         )

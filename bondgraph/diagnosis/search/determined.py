@@ -56,7 +56,7 @@ def _undetermined(candidate: Candidate) -> int:
     what both give together.
     """
     problem, hypothesis = candidate.fitted.problem, candidate.hypothesis
-    names = [problem.model.parameter_names[i] for i in problem.free]
+    names = problem.free_names
     own = np.isin(names, hypothesis.strengths)
     others = np.abs(uncertainty(problem, candidate.fitted.optimum).null)
     alone = others[:, own].max(axis=1, initial=0.0) <= TRACE

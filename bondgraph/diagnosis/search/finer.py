@@ -52,7 +52,7 @@ def _told(curve: Candidate, coarser: Candidate) -> bool:
     """Return whether each height is known to better than the coarser curve's range."""
     fitted, own = curve.fitted, curve.hypothesis.strengths
     problem = fitted.problem
-    names = [problem.model.parameter_names[i] for i in problem.free]
+    names = problem.free_names
     stds = uncertainty(problem, fitted.optimum).std[np.isin(names, own)]
     heights = [coarser.fitted.values[name] for name in coarser.hypothesis.strengths]
     return bool(np.all(stds <= np.ptp(heights)))

@@ -159,7 +159,7 @@ def _related(
     leading = min(candidates, key=_cost)
     kept = {id(candidate.hypothesis) for candidate in candidates}
     wider = [
-        h for h in hypotheses if id(h) not in kept and _contains(h, leading.hypothesis)
+        h for h in hypotheses if id(h) not in kept and h.contains(leading.hypothesis)
     ][:WIDER]
     there = Start(
         _shared(leading), leading.fitted.optimum.initial, leading.fitted.problem.solver
@@ -180,12 +180,8 @@ def _akin(own: Candidate, other: Candidate) -> bool:
     """Return whether one law contains the other here, or is the same elsewhere."""
     a, b = own.hypothesis, other.hypothesis
     if a.place == b.place:
-        return _contains(a, b) or _contains(b, a)
+        return a.contains(b) or b.contains(a)
     return a.physics == b.physics and own.complexity == other.complexity
-
-
-def _contains(wider: Hypothesis, narrower: Hypothesis) -> bool:
-    return wider.place == narrower.place and narrower.physics in wider.extends
 
 
 def _cost(candidate: Candidate) -> float:
@@ -195,7 +191,7 @@ def _cost(candidate: Candidate) -> float:
 def _shared(other: Candidate) -> dict[str, float]:
     """Return the values that a fit found, to start another from."""
     problem = other.fitted.problem
-    names = [problem.model.parameter_names[i] for i in problem.free]
+    names = problem.free_names
     return dict(zip(names, map(float, other.fitted.optimum.theta), strict=True))
 
 

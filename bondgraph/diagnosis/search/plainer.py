@@ -73,9 +73,8 @@ def _narrower(found: Round) -> Judged | None:
     contained = [
         j
         for j in found.judged
-        if j.place == chosen.place
-        and j.support is Support.SUPPORTED
-        and j.physics in chosen.candidate.hypothesis.extends
+        if j.support is Support.SUPPORTED
+        and chosen.candidate.hypothesis.contains(j.candidate.hypothesis)
         and _added(chosen, j)
     ]
     return max(contained, key=lambda j: j.gain.value, default=chosen)
@@ -86,9 +85,8 @@ def _wider(found: Round, narrower: Judged) -> list[Judged]:
     return [
         j
         for j in found.judged
-        if j.place == narrower.place
-        and j.support is Support.SUPPORTED
-        and narrower.physics in j.candidate.hypothesis.extends
+        if j.support is Support.SUPPORTED
+        and j.candidate.hypothesis.contains(narrower.candidate.hypothesis)
         and _added(j, narrower)
     ]
 

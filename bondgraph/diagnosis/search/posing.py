@@ -63,7 +63,7 @@ def thetas(
 ) -> list[Array]:
     """Return the free parameters at each of `starts`: theirs before the base fit's."""
     added = {p.name: p.value or 0.0 for p in hypothesis.edit.parameters}
-    free = [problem.model.parameter_names[i] for i in problem.free]
+    free = problem.free_names
     known = {**base.values, **added}
     return [np.array([{**known, **start}[name] for name in free]) for start in starts]
 

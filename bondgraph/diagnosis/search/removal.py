@@ -28,8 +28,10 @@ TOLERANCE = 1e-4
 SWALLOWED = 0.1
 """A law with less than this share of its strength left is not there any more."""
 
-FADED = 0.5
-"""Nor one that is not told from none, and has less than this share left."""
+FADED, ERRORS = 0.5, 2.0
+"""Nor one with less than this share left that so many standard errors do not tell from
+none.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,16 +73,11 @@ def pruned(
         except BondGraphError:
             continue  # A later addition changes what this one has added.
         plainer = len(without.problem.free) <= len(before.problem.free)
-        within = _contains(added[-1], hypothesis)
+        within = added[-1].contains(hypothesis)
         if (plainer or within) and not _needed(without, fitted, rule):
             fitted, kept = without, rest
             removed.append(hypothesis)
     return Pruned(fitted, tuple(kept), tuple(removed))
-
-
-def _contains(wide: Hypothesis, narrow: Hypothesis) -> bool:
-    """Return whether a law at the same place is the other one and more."""
-    return wide.place == narrow.place and narrow.physics in wide.extends
 
 
 def swallowed(
@@ -104,7 +101,7 @@ def swallowed(
         The parameters as the model's author gives them.
     """
     problem = after.problem
-    free = [problem.model.parameter_names[i] for i in problem.free]
+    free = problem.free_names
     stds = dict(zip(free, uncertainty(problem, after.optimum).std, strict=True))
     return gone_from(before.values, after.values, stds, earlier, nominal)
 
@@ -120,7 +117,7 @@ def gone_from(
 
     def gone(name: str) -> bool:
         was, left = abs(before[name]), abs(after[name])
-        in_doubt = left < 2.0 * stds.get(name, 0.0) and left < FADED * was
+        in_doubt = left < ERRORS * stds.get(name, 0.0) and left < FADED * was
         return left < SWALLOWED * was or in_doubt
 
     for hypothesis in earlier:

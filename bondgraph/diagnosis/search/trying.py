@@ -82,36 +82,38 @@ def promise(baseline: Baseline, trial: Trial) -> Plain:
     Where the base model is nested in it, by a score test: one simulation for each of
     the starts at which it has no effect (shape parameters are tried at several values:
     Davies, Biometrika 64, 1977), with what it promises of surrogates of the residual.
-    Else, what a few steps of a fit reach.
+    A law that waits for something to be reached shows nothing there; what its starts
+    take away as they are counts as well. Else, what a few steps of a fit reach.
     """
-    base, hypothesis = baseline.fitted, trial.hypothesis
-    silent = hypothesis.silent_starts
+    if trial.hypothesis.silent_starts:
+        return _or_refused(lambda: _scored(baseline, trial))
+    return _or_refused(lambda: _tried(baseline.fitted, trial))
 
-    def promised() -> Plain:
-        if silent:
-            quick = baseline.quick
-            problem = pose_hypothesis(quick, hypothesis)
-            new = added(quick, problem)
-            tried = thetas(quick, hypothesis, problem, silent)
-            scores = [
-                score_test(
-                    baseline, problem, theta, _settled(quick, problem, theta), new
-                )
-                for theta in tried
-            ]
-            chance = np.max([score.by_chance for score in scores], axis=0)
-            promised = max(score.promised for score in scores)
-            if hypothesis.waits:
-                promised = max(promised, _at_its_starts(base, trial))
-            return {
-                "promised": promised,
-                "by_chance": [round(float(share), 6) for share in chance],
-            }
-        problem = pose_hypothesis(base, hypothesis)
-        best, _ = _best(base, trial, problem, PROMISE_ITERATIONS)
-        return {"promised": float(1.0 - best.cost / base.optimum.cost)}
 
-    return _or_refused(promised)
+def _scored(baseline: Baseline, trial: Trial) -> Plain:
+    """Return what a hypothesis promises at its silent starts, and by chance."""
+    quick, hypothesis = baseline.quick, trial.hypothesis
+    problem = pose_hypothesis(quick, hypothesis)
+    new = added(quick, problem)
+    scores = [
+        score_test(baseline, problem, theta, _settled(quick, problem, theta), new)
+        for theta in thetas(quick, hypothesis, problem, hypothesis.silent_starts)
+    ]
+    promised = [score.promised for score in scores]
+    if hypothesis.waits:
+        promised.append(_at_its_starts(baseline.fitted, trial))
+    chance = np.max([score.by_chance for score in scores], axis=0)
+    return {
+        "promised": max(promised),
+        "by_chance": [round(float(share), 6) for share in chance],
+    }
+
+
+def _tried(base: FittedModel, trial: Trial) -> Plain:
+    """Return what a few steps of a fit take away."""
+    problem = pose_hypothesis(base, trial.hypothesis)
+    best, _ = _best(base, trial, problem, PROMISE_ITERATIONS)
+    return {"promised": float(1.0 - best.cost / base.optimum.cost)}
 
 
 def fit_briefly(base: FittedModel, trial: Trial) -> Plain:
@@ -154,7 +156,7 @@ def _fitted(base: FittedModel, trial: Trial, iterations: int) -> Plain:
     known = next((start.solver for start in trial.starts), None)
     problem = pose_hypothesis(base, trial.hypothesis, known)
     best, solver = _best(base, trial, problem, iterations)
-    names = [problem.model.parameter_names[i] for i in problem.free]
+    names = problem.free_names
     return {
         "values": dict(zip(names, map(float, best.theta), strict=True)),
         "initial": best.initial.tolist(),
@@ -200,7 +202,7 @@ def _begin(
         begun = [(theta, _settled(base, problem, theta)) for theta in starts]
         if not hypothesis.waits or not problem.model.n_states:
             return begun
-        return [(theta, _or_early(problem, theta, own)) for theta, own in begun]
+        return [(theta, _or_early(problem, theta, states)) for theta, states in begun]
     begin = []
     for start in trial.starts:
         (theta,) = thetas(base, hypothesis, problem, (start.values,))

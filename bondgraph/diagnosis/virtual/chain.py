@@ -125,7 +125,7 @@ def linear_chain(
         fitted = replace(fitted, optimum=replace(fitted.optimum, theta=theta))
     follows, inside = _links(shots)
     names = virtual.model.parameter_names
-    free = [fitted.problem.model.parameter_names[i] for i in fitted.problem.free]
+    free = fitted.problem.free_names
     directions = [names.index(name) for name in free]
     directions += [names.index(source.parameter) for source in chosen]
     ny, nq = virtual.n_outputs, len(free)

@@ -40,7 +40,6 @@ def _is_absolute(graph: FinishedGraph, junction: str) -> bool:
 
 def _by_balance(graph: FinishedGraph, own: Bond, zero: str) -> Mapping[str, int] | None:
     """Return the flow of a bond by the balance of the 0-junction at its end."""
-    into = {True: 1, False: -1}
     found: dict[str, int] = {}
     for bond in graph.bonds_at(zero):
         if bond == own:
@@ -49,5 +48,6 @@ def _by_balance(graph: FinishedGraph, own: Bond, zero: str) -> Mapping[str, int]
         plain = isinstance(graph.node(other), OneJunction)
         if not plain or other in found or not _is_absolute(graph, other):
             return None
-        found[other] = -into[bond.head == zero] * into[own.head == zero]
+        along = (bond.head == zero) == (own.head == zero)
+        found[other] = -1 if along else 1
     return found or None
