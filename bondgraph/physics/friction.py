@@ -1,7 +1,8 @@
 """Friction at a 1-junction: an effort against the flow.
 
 Dry friction is written smooth, ``tanh(f / f_s)`` with a flow f_s 300 times below the
-typical one; that flow is a parameter of the inserted element, marked exact.
+typical one; that flow is a parameter of the inserted element, marked exact. A fit that
+has ended goes on with a sharper edge where that tells (`diagnosis.search.sharper`).
 """
 
 from collections.abc import Iterator
@@ -28,7 +29,7 @@ REGULARISATION = 1 / 300
 
 def direction(place: OneJunctionPlace) -> tuple[sympy.Expr, Coefficient]:
     """Return the smooth sign of the flow and the coefficient that smooths it."""
-    width = place.constant("slip_flow", place.unit(F), REGULARISATION * place.flow)
+    width = place.edge("slip_flow", place.unit(F), REGULARISATION * place.flow)
     return sympy.tanh(f / width.symbol), width
 
 

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import sympy
@@ -10,6 +10,7 @@ import sympy
 from bondgraph.physics.places.base import Coefficient, Place
 from bondgraph.structure.domains import EnergyDomain
 from bondgraph.structure.edits import GraphEdit
+from bondgraph.structure.edits.elements import InsertElement
 from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.signals import e, f, p, q, signals_in
 
@@ -51,6 +52,8 @@ class Hypothesis:
         The parameters at whose 0 it has no effect, whatever the others are.
     also
         Other names of the same place in the user's model.
+    smoothing
+        The parameters, not fitted, over which it smooths what is sharp in truth.
     """
 
     physics: str
@@ -64,6 +67,7 @@ class Hypothesis:
     extends: tuple[str, ...] = ()
     strengths: tuple[str, ...] = ()
     also: tuple[str, ...] = ()
+    smoothing: tuple[str, ...] = ()
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -99,6 +103,23 @@ class Hypothesis:
     def contains(self, narrower: "Hypothesis") -> bool:
         """Return whether this law is the other one, at the same place, and more."""
         return self.place == narrower.place and narrower.physics in self.extends
+
+    @property
+    def told_by(self) -> tuple[str, ...]:
+        """What tells it from others: physics, place, sentence and what is fitted."""
+        return self.physics, self.place, self.words, *self.parameters
+
+    def sharper(self, times: float) -> "Hypothesis":
+        """Return it with its smoothed edges so many times narrower."""
+        if not self.smoothing or not isinstance(self.edit, InsertElement):
+            return self
+        narrowed = tuple(
+            replace(p, value=p.value / times)
+            if p.name in self.smoothing and p.value is not None
+            else p
+            for p in self.edit.parameters
+        )
+        return replace(self, edit=replace(self.edit, parameters=narrowed))
 
     def apply(self, graph: FinishedGraph) -> FinishedGraph:
         """Return the graph with the physics inserted."""
@@ -162,6 +183,7 @@ class AbstractPhysics(ABC):
             extends=extends,
             strengths=tuple(c.name for c in coefficients if c.strength),
             also=(*place.also, *also),
+            smoothing=tuple(c.name for c in coefficients if c.smooths),
         )
 
 

@@ -209,10 +209,10 @@ def _extends(wider: Judged, narrower: Judged) -> bool:
     With the same word it does at the same place only: elsewhere, also with more
     parameters, it is another place that the data do not tell from this one.
     """
-    if narrower.physics in wider.candidate.hypothesis.extends:
-        return True
+    if wider.physics != narrower.physics:
+        return narrower.physics in wider.candidate.hypothesis.extends
     more = wider.candidate.complexity > narrower.candidate.complexity
-    return more and wider.physics == narrower.physics and wider.place == narrower.place
+    return more and wider.place == narrower.place
 
 
 def probability(

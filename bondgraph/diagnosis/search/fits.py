@@ -12,6 +12,7 @@ import numpy as np
 
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import CURVE, Candidate, Promised
+from bondgraph.diagnosis.search.sharper import sharpened
 from bondgraph.diagnosis.search.steps import solver_named
 from bondgraph.diagnosis.search.trying import (
     Start,
@@ -59,7 +60,7 @@ def fit_best(
         Share of the leading reduction that a hypothesis must reach to be kept. Free
         curves lead by their freedom: named laws are compared with named ones.
     most
-        How many are kept.
+        How many are kept, beside the narrower laws that these contain.
     work
         The short fit.
     """
@@ -73,15 +74,17 @@ def fit_best(
         return []
     reached = _gone_on(bench, reached, most)
     best, lead = reached[0].reduction, _lead(reached)
-    kept = [
+    worth = [
         one
         for one in reached
         if one.reduction >= keep * (best if one.hypothesis.physics == CURVE else lead)
-    ][:most]
+    ]
+    kept = _with_narrower(worth[:most], worth[most:])
     same = bench.few is bench.base
     starts = [one.as_start(with_states=same) for one in kept]
     fitted = bench.run(fit_fully, starts, "fits")
-    return _related(bench, bench.candidates(starts, fitted), hypotheses)
+    ended = _related(bench, bench.candidates(starts, fitted), hypotheses)
+    return sharpened(bench, ended)
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +113,21 @@ def _reached(
         if "refused" not in result
     ]
     return sorted(found, key=lambda one: -one.reduction)
+
+
+def _with_narrower(
+    kept: Sequence[_Reached], others: Sequence[_Reached]
+) -> list[_Reached]:
+    """Return those kept, and of the others what a kept law contains.
+
+    Whether the additions of a wider law are needed is seen beside the narrower one.
+    """
+    narrower = [
+        one
+        for one in others
+        if any(wide.hypothesis.contains(one.hypothesis) for wide in kept)
+    ]
+    return [*kept, *narrower]
 
 
 def _lead(reached: Sequence[_Reached]) -> float:

@@ -140,7 +140,7 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
     hypotheses = _considered(setting)
     screened = screen(bench, hypotheses)
     promising = _promising(screened, options)
-    order = {id(hypothesis): i for i, hypothesis in enumerate(hypotheses)}
+    order = {one.told_by: i for i, one in enumerate(hypotheses)}
     fitted = fit_best(bench, promising, HOPELESS, options.judged)
     look = _judged(setting, bench, fitted, order, screened.independent)
     nothing = setting.is_first and look.verdicts.chosen is None
@@ -185,19 +185,19 @@ def _judged(
     setting: Setting,
     bench: Bench,
     fitted: Sequence[Candidate],
-    order: Mapping[int, int],
+    order: Mapping[tuple[str, ...], int],
     tried: float,
 ) -> "_Look":
     """Judge what is material, determined by the data, and remembers where it must.
 
-    In the order of proposal, by the hypotheses' identities: of twins the first is told.
+    In the order of proposal: of twins the first is told.
     """
     base, recordings, rule = setting.base, setting.recordings, setting.options.rule
     least = rule.materiality / 2
     material = [c for c in fitted if c.reduction(base) >= least]
     known, undetermined = determined(base, material)
     worth, forgetful = remembering(base, known, recordings)
-    worth.sort(key=lambda candidate: order[id(candidate.hypothesis)])
+    worth.sort(key=lambda candidate: order[candidate.hypothesis.told_by])
     before = simulate_whole(base, recordings).score.nrmse
 
     def holds(candidate: Candidate) -> bool:

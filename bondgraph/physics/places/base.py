@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy
 
@@ -44,11 +44,14 @@ class Coefficient:
         values of all, the second of all, and so on, a single one serving every time.
     strength
         Whether the hypothesis has no effect where this (and every other strength) is 0.
+    smooths
+        Whether it is the width of an edge that is sharp in truth.
     """
 
     parameter: Parameter
     starts: tuple[float, ...]
     strength: bool = False
+    smooths: bool = False
 
     @property
     def name(self) -> str:
@@ -142,11 +145,15 @@ class Place(ABC):
         return self._coefficient(stem, unit, starts, low, high, strength=False)
 
     def constant(self, stem: str, unit: str, value: float) -> Coefficient:
-        """Return a coefficient that is not fitted: a scale, a regularisation."""
+        """Return a coefficient that is not fitted, such as a scale."""
         parameter = Parameter(
             name=self.name_of(stem), value=value, unit=unit, std=0.0, source=_SOURCE
         )
         return Coefficient(parameter, ())
+
+    def edge(self, stem: str, unit: str, width: float) -> Coefficient:
+        """Return the width over which a sharp edge is smoothed; it is not fitted."""
+        return replace(self.constant(stem, unit, width), smooths=True)
 
     def _coefficient(
         self,

@@ -1,0 +1,48 @@
+"""Sharper edges: a smoothed law is fitted again with less smoothing where that tells.
+
+A fit finds its way over smooth edges only. Where it has ended they cost: below the flow
+that smooths it dry friction creeps instead of sticking, and the laws that drop to a
+steep slope there (hysteresis, Stribeck) would win by it.
+"""
+
+from collections.abc import Sequence
+
+from bondgraph.diagnosis.search.bench import Bench
+from bondgraph.diagnosis.search.candidates import Candidate
+from bondgraph.diagnosis.search.trying import Start, Trial, fit_fully
+
+SHARPER = (10.0, 100.0)
+"""How many times sharper than proposed, one after the other as long as it tells."""
+
+TELLS = 0.99
+"""A sharper edge is kept where it leaves at most this share of the cost."""
+
+
+def sharpened(bench: Bench, candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Return the candidates, their smooth edges sharpened as far as that tells."""
+    told = list(candidates)
+    smooth = [i for i, own in enumerate(told) if own.hypothesis.smoothing]
+    for times in SHARPER:
+        trials = [
+            Trial(candidates[i].hypothesis.sharper(times), (_end_of(told[i]),))
+            for i in smooth
+        ]
+        results = bench.run(fit_fully, trials, f"edges {times:.0f} times sharper")
+        better = []
+        for i, trial, result in zip(smooth, trials, results, strict=True):
+            if "refused" in result or result["cost"] >= TELLS * _cost(told[i]):
+                continue
+            (told[i],) = bench.candidates([trial], [result])
+            better.append(i)
+        smooth = better
+    return told
+
+
+def _end_of(candidate: Candidate) -> Start:
+    """Return a start where the fit of a candidate has ended."""
+    fitted = candidate.fitted
+    return Start(fitted.values, fitted.optimum.initial, fitted.problem.solver)
+
+
+def _cost(candidate: Candidate) -> float:
+    return candidate.fitted.optimum.cost
