@@ -397,6 +397,12 @@ def test_alternatives_are_supported_close_and_no_extensions():
     assert found == (closer, close)
     elsewhere = judged(0.302, physics="coulomb_friction", place="motor")
     assert alternatives_to(chosen, [chosen, elsewhere], RULE) == (elsewhere,)
+    # A law in several forms, the wider of which extends its own word.
+    form = judged(0.30, physics="hysteresis", complexity=2, extends=("hysteresis",))
+    same = judged(
+        0.30, physics="hysteresis", complexity=2, extends=("hysteresis",), place="motor"
+    )
+    assert alternatives_to(form, [form, same], RULE) == (same,)
 
 
 def test_the_probability_counts_the_same_physics_where_it_cannot_be_told_apart():

@@ -22,6 +22,7 @@ from bondgraph.structure.edits import (
     ReplaceMeasurement,
     SeveralEdits,
     SignalState,
+    SwapMeasurements,
     WrapInput,
 )
 from bondgraph.structure.graph import Bond
@@ -245,6 +246,22 @@ def test_refusals_name_what_is_wrong():
         ConnectJunctions("first", "coupling", "x", (SPRING,), PAIR[:1]).apply(
             MACHINES["two_masses"]
         )
+
+
+def test_sensors_are_swapped_with_the_parameters_that_only_one_of_them_reads():
+    g = BondGraph("cart", domain="translation")
+    g.one("cart", Se("force"), I("mass"))
+    g.parameter("zero", 0.1, "m/s")
+    g.measure("first", flow("cart") + sympy.Symbol("zero"), unit="m/s")
+    g.measure("second", flow("cart"), unit="m/s")
+    graph = g.finish()
+    swapped = SwapMeasurements("first", "second").apply(graph)
+    read = {m.name: m.expression for m in graph.measurements}
+    now = {m.name: m.expression for m in swapped.measurements}
+    assert now == {"first": read["second"], "second": read["first"]}
+    assert swapped.parameters == graph.parameters
+    with pytest.raises(StructureError, match="no measurement 'third'"):
+        SwapMeasurements("first", "third").apply(graph)
 
 
 def test_a_state_of_a_signal_takes_no_power():

@@ -22,6 +22,7 @@ from bondgraph.structure.edits import (
     ReplaceMeasurement,
     ReplaceRelation,
     SeveralEdits,
+    SwapMeasurements,
     WrapInput,
 )
 from bondgraph.structure.elements import (
@@ -107,7 +108,9 @@ def test_it_fits_into_the_graph_and_is_told_in_words(number):
     known_names = {*new.by_name, *(m.name for m in new.measurements)}
     assert hypothesis.element in known_names
     edits = getattr(hypothesis.edit, "edits", (hypothesis.edit,))
-    changes = isinstance(edits[0], ReplaceRelation | ReplaceMeasurement)
+    changes = isinstance(
+        edits[0], ReplaceRelation | ReplaceMeasurement | SwapMeasurements
+    )
     before = {*graph.by_name, *(m.name for m in graph.measurements)}
     assert (hypothesis.element in before) is changes
     assert hypothesis.words.strip() == hypothesis.words != ""
@@ -226,7 +229,7 @@ def test_units_of_new_parameters_fit(number):
     states = getattr(edit, "states", ())
     channel = place.channel_unit if isinstance(place, ChannelPlace) else "1"
     own |= {state.value: channel for state in states}
-    if isinstance(edit, ReplaceMeasurement | WrapInput):
+    if isinstance(edit, ReplaceMeasurement | SwapMeasurements | WrapInput):
         expected = channel
     else:
         expected = _unit_of(new.by_name[hypothesis.element], hypothesis, domain)

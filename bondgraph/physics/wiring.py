@@ -7,7 +7,7 @@ from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Place
 from bondgraph.physics.places.channels import OutputPlace
 from bondgraph.physics.slips import own_values
-from bondgraph.structure.edits import ReplaceMeasurement, SeveralEdits
+from bondgraph.structure.edits import SwapMeasurements
 from bondgraph.structure.graph import Measurement
 from bondgraph.structure.units import compatible, conversion
 
@@ -33,12 +33,7 @@ class SensorSwap(AbstractPhysics):
     def _swapped(
         self, place: OutputPlace, own: Measurement, other: Measurement
     ) -> Hypothesis:
-        edit = SeveralEdits(
-            (
-                ReplaceMeasurement(own.name, other.expression),
-                ReplaceMeasurement(other.name, own.expression),
-            )
-        )
+        edit = SwapMeasurements(own.name, other.name)
         words = (
             f"{own.name} and {other.name} are swapped, each reads what the other should"
         )

@@ -2,7 +2,8 @@
 
 Over short windows, each with its own initial state, a state that a hypothesis adds can
 take any value anew: that explains slow disturbances of any kind. Physics with a memory
-must explain a whole recording from one initial state, no worse than physics without.
+must explain a whole recording from one initial state, no worse than physics without,
+and visibly better than the model as it was.
 """
 
 from collections.abc import Sequence
@@ -18,6 +19,11 @@ REASON = (
     "what it remembers had to be set anew in every window; whole recordings are "
     "explained better without it"
 )
+
+SHOWS = 0.95
+"""What remembers leaves at most this share of the squared error without it: whole
+recordings of a machine that drifts off differ by so much whatever is added.
+"""
 
 NO_TIME = "a table without time shows nothing that remembers"
 
@@ -40,7 +46,8 @@ def remembering(
     whole = base.problem.shots.n_windows <= len(recordings)
     if whole or len(plain) == len(candidates):
         return list(candidates), ()
-    best = min(_whole_error(fitted, recordings) for fitted in (base, *plain))
+    known = SHOWS**0.5 * _whole_error(base, recordings)
+    best = min([known, *(_whole_error(fitted, recordings) for fitted in plain)])
     kept: list[Candidate] = []
     others: list[Rejected] = []
     for candidate in candidates:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import Candidate
-from bondgraph.diagnosis.search.trying import Start, Trial, fit_fully
+from bondgraph.diagnosis.search.trying import Start, Trial, fit_on
 
 SHARPER = (10.0, 100.0)
 """How many times sharper than proposed, one after the other as long as it tells."""
@@ -19,23 +19,40 @@ TELLS = 0.99
 
 
 def sharpened(bench: Bench, candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Return the candidates, their smooth edges sharpened as far as that tells."""
+    """Return the candidates, their smooth edges sharpened as far as that tells.
+
+    The leading one goes first: where a sharper edge tells nothing of it, it is not
+    tried of the others.
+    """
     told = list(candidates)
     smooth = [i for i, own in enumerate(told) if own.hypothesis.smoothing]
     for times in SHARPER:
-        trials = [
-            Trial(candidates[i].hypothesis.sharper(times), (_end_of(told[i]),))
-            for i in smooth
-        ]
-        results = bench.run(fit_fully, trials, f"edges {times:.0f} times sharper")
-        better = []
-        for i, trial, result in zip(smooth, trials, results, strict=True):
-            if "refused" in result or result["cost"] >= TELLS * _cost(told[i]):
-                continue
-            (told[i],) = bench.candidates([trial], [result])
-            better.append(i)
+        smooth.sort(key=lambda i: _cost(told[i]))
+        better = _tried(bench, candidates, told, smooth[:1], times)
+        if better:
+            better += _tried(bench, candidates, told, smooth[1:], times)
         smooth = better
     return told
+
+
+def _tried(
+    bench: Bench,
+    proposed: Sequence[Candidate],
+    told: list[Candidate],
+    which: Sequence[int],
+    times: float,
+) -> list[int]:
+    """Sharpen some of those told, in place; return of which it tells."""
+    trials = [
+        Trial(proposed[i].hypothesis.sharper(times), (_end_of(told[i]),)) for i in which
+    ]
+    results = bench.run(fit_on, trials, f"edges {times:.0f} times sharper")
+    better = []
+    for i, trial, result in zip(which, trials, results, strict=True):
+        if "refused" not in result and result["cost"] < TELLS * _cost(told[i]):
+            (told[i],) = bench.candidates([trial], [result])
+            better.append(i)
+    return better
 
 
 def _end_of(candidate: Candidate) -> Start:

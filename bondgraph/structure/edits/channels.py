@@ -57,6 +57,47 @@ class ReplaceMeasurement:
 
 
 @dataclass(frozen=True, slots=True)
+class SwapMeasurements:
+    """Let two sensors read what the other one read.
+
+    At once: between two single edits a parameter that only one of them uses would be
+    used by nothing, and go.
+    """
+
+    first: str
+    second: str
+    parameters: tuple[Parameter, ...] = ()
+    nested: bool = False
+
+    def apply(self, graph: FinishedGraph) -> FinishedGraph:
+        """Return the graph with the expressions of both exchanged."""
+        read = {m.name: m.expression for m in graph.measurements}
+        for name in (self.first, self.second):
+            if name not in read:
+                raise StructureError(
+                    f"There is no measurement {name!r}.",
+                    (name,),
+                    f"Measured here: {', '.join(read)}.",
+                )
+        other = {self.first: self.second, self.second: self.first}
+        pieces = Pieces.of(graph)
+        pieces.measurements = [
+            Measurement(m.name, read[other.get(m.name, m.name)], m.unit)
+            for m in graph.measurements
+        ]
+        return pieces.finished(self.parameters)
+
+    def describe(self) -> str:
+        """Return the edit in words."""
+        return f"sensors {self.first} and {self.second} read each other's"
+
+    @property
+    def subject(self) -> str:
+        """The name of what it adds or changes."""
+        return self.first
+
+
+@dataclass(frozen=True, slots=True)
 class WrapInput:
     """Let an input act through an expression (scale, saturation, dead zone, delay).
 

@@ -3,7 +3,11 @@
 from dataclasses import dataclass
 
 from bondgraph.structure.edits.bonds import ConnectJunctions, LoosenBond, ObstructBond
-from bondgraph.structure.edits.channels import ReplaceMeasurement, WrapInput
+from bondgraph.structure.edits.channels import (
+    ReplaceMeasurement,
+    SwapMeasurements,
+    WrapInput,
+)
 from bondgraph.structure.edits.elements import InsertElement, ReplaceRelation
 from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.parameters import Parameter
@@ -12,6 +16,7 @@ SingleEdit = (
     InsertElement
     | ReplaceRelation
     | ReplaceMeasurement
+    | SwapMeasurements
     | WrapInput
     | LoosenBond
     | ObstructBond
