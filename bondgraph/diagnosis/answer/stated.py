@@ -8,7 +8,7 @@ element that the model does not have. Both are told in the words of the element.
 import math
 from collections.abc import Sequence
 
-from bondgraph.diagnosis.answer.wording import to_digits_of
+from bondgraph.diagnosis.answer.wording import listed, to_digits_of
 from bondgraph.diagnosis.records import Finding
 from bondgraph.fitting.result import Estimate
 from bondgraph.structure.elements import Compliance, Inertance, Node, Resistance
@@ -18,6 +18,9 @@ from bondgraph.structure.signals import parameters_in
 
 FAR = 5.0
 """Standard deviations, stated and estimated together, beyond which a value is wrong."""
+
+AT = 1e-6
+"""Within this share of a bound a value is at it."""
 
 
 def contradicted(
@@ -44,12 +47,40 @@ def contradicted(
     return tuple(found)
 
 
+def at_bounds(
+    graph: FinishedGraph, estimates: Sequence[Estimate]
+) -> tuple[str, ...]:
+    """Return a sentence on the values that end at the bounds the model states.
+
+    A bound of zero is one of nature and not of knowledge; nothing is said of it.
+    """
+    ended = [
+        f"{estimate.name} at {bound:.4g}{_unit_of(estimate)}"
+        for estimate in estimates
+        if estimate.name in graph.parameters
+        for bound in graph.parameters[estimate.name].bounds
+        if math.isfinite(bound) and bound != 0.0
+        if math.isclose(estimate.value, bound, rel_tol=AT)
+    ]
+    if not ended:
+        return ()
+    return (
+        f"The fit ends at bounds that the model states: {listed(ended, 'and')}. Either "
+        "they are too narrow, or these values stand in for something that is missing; "
+        "what is said of the rest rests on them.",
+    )
+
+
+def _unit_of(estimate: Estimate) -> str:
+    return "" if estimate.unit == "1" else f" {estimate.unit}"
+
+
 def _finding(
     graph: FinishedGraph, estimate: Estimate, value: float, std: float, away: float
 ) -> Finding:
     node = next((n for n in graph.nodes if estimate.name in parameters_of(n)), None)
     name = _reader(graph, estimate.name) if node is None else node.name
-    unit = "" if estimate.unit == "1" else f" {estimate.unit}"
+    unit = _unit_of(estimate)
     needed = f"{estimate.value:.4g}"
     if estimate.std is not None:
         needed = to_digits_of(estimate.value, estimate.std)

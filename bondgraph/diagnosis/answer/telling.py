@@ -13,7 +13,7 @@ from bondgraph.diagnosis.answer.look_alikes import look_alikes
 from bondgraph.diagnosis.answer.notes import notes_on, provenance
 from bondgraph.diagnosis.answer.separating import designed, left_close
 from bondgraph.diagnosis.answer.showing import recovered_law, simulate_whole, traces
-from bondgraph.diagnosis.answer.stated import contradicted
+from bondgraph.diagnosis.answer.stated import at_bounds, contradicted
 from bondgraph.diagnosis.answer.verdict import (
     not_simulated,
     verdict_of,
@@ -102,6 +102,7 @@ def answer(
         traces=traces(base, final, held_out),
         recovered=tuple(law for law in laws if law is not None),
         notes=(
+            *at_bounds(graph, after.estimates),
             *undesigned,
             *look_alikes(findings, base, recordings),
             *notes_on(rounds, after, options),
