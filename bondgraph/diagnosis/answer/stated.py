@@ -47,9 +47,7 @@ def contradicted(
     return tuple(found)
 
 
-def at_bounds(
-    graph: FinishedGraph, estimates: Sequence[Estimate]
-) -> tuple[str, ...]:
+def at_bounds(graph: FinishedGraph, estimates: Sequence[Estimate]) -> tuple[str, ...]:
     """Return a sentence on the values that end at the bounds the model states.
 
     A bound of zero is one of nature and not of knowledge; nothing is said of it.

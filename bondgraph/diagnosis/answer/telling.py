@@ -3,31 +3,17 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from bondgraph.diagnosis.adequacy.adequacy import adequacy
-from bondgraph.diagnosis.adequacy.records import Adequacy
-from bondgraph.diagnosis.answer.found import all_evidence, findings_of, remaining
+from bondgraph.diagnosis.answer.concluding import concluded
+from bondgraph.diagnosis.answer.found import all_evidence, findings_of
 from bondgraph.diagnosis.answer.leftover import noise_floor
 from bondgraph.diagnosis.answer.look_alikes import look_alikes
 from bondgraph.diagnosis.answer.notes import notes_on, provenance
 from bondgraph.diagnosis.answer.separating import designed, left_close
 from bondgraph.diagnosis.answer.showing import recovered_law, simulate_whole, traces
 from bondgraph.diagnosis.answer.stated import at_bounds, contradicted
-from bondgraph.diagnosis.answer.verdict import (
-    not_simulated,
-    verdict_of,
-    with_undecided,
-    with_values,
-    without_size,
-    worse_held_out,
-)
 from bondgraph.diagnosis.answer.wording import next_experiment
 from bondgraph.diagnosis.evidence.decision import Judged
-from bondgraph.diagnosis.records import (
-    Comparison,
-    Diagnosis,
-)
+from bondgraph.diagnosis.records import Comparison, Diagnosis
 from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.one_round import Round, accepted
 from bondgraph.diagnosis.search.options import Options
@@ -49,36 +35,20 @@ def answer(
     options: Options,
 ) -> Diagnosis:
     """Return the diagnosis that the rounds of a search amount to."""
-    base, floor = rounds[0].base, noise_floor(recordings)
+    base = rounds[0].base
     before, after = report(base, graph, recordings), report(final, graph, recordings)
     made = accepted(rounds)
     findings, others = findings_of(made, after, held_out, options)
     trained = _comparison(base, final, recordings)
-    left = remaining(made, floor)
-    if not trained.after.nrmse < trained.before.nrmse:
-        left = max(left, 1.0)
-    verdict, statement = verdict_of(
-        findings,
-        base,
-        floor,
-        rounds[0],
-        left,
-        _checked(base, recordings, made),
-    )
-    statement = with_undecided(verdict, statement, rounds[-1], options.rule)
     shown = _comparison(base, final, held_out)
-    if not np.isfinite(shown.after.nrmse) and np.isfinite(shown.before.nrmse):
-        verdict, statement = not_simulated(verdict, statement)
-    verdict, statement = worse_held_out(verdict, statement, shown)
-    verdict, statement = without_size(verdict, statement, findings)
     wrong = contradicted(graph, after.estimates)
-    if wrong:
-        verdict, statement = with_values(verdict, statement, wrong)
+    verdict, statement = concluded(
+        rounds, findings, wrong, trained, shown, recordings, options
+    )
     close = left_close(rounds, others, verdict)
     experiment, undesigned = (
         (None, ()) if close is None else designed(close, recordings)
     )
-    candidates = all_evidence(rounds)
     laws = [
         recovered_law(r.base, r.chosen.candidate, final, recordings, _rivals(r))
         for r in made
@@ -90,11 +60,11 @@ def answer(
         findings=(*findings, *wrong),
         train=trained,
         held_out=shown,
-        noise_floor=floor,
+        noise_floor=noise_floor(recordings),
         false_alarm_probability=options.rule.false_alarm_probability,
         next_experiment=next_experiment(findings, others, base, experiment),
         experiment=experiment,
-        candidates=candidates,
+        candidates=all_evidence(rounds),
         blame=_blame(rounds[0]),
         fit_before=before,
         fit_after=after,
@@ -120,16 +90,6 @@ def _rivals(found: Round) -> list[Candidate]:
         if judged.place == chosen.place and judged.physics != chosen.physics:
             best.setdefault(judged.physics, judged)
     return [judged.candidate for judged in list(best.values())[:DRAWN_RIVALS]]
-
-
-def _checked(
-    base: FittedModel, recordings: Sequence[BoundRecording], made: Sequence[Round]
-) -> Adequacy | None:
-    """Return whether the base model leaves more than noise, where nothing was found."""
-    steady = any(recording.steady for recording in recordings)
-    if made or steady or not base.problem.model.n_states:
-        return None
-    return adequacy(base, recordings)
 
 
 def _delivered(

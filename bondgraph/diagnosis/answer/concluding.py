@@ -1,0 +1,68 @@
+"""The conclusion: one verdict with its sentence, from all that was found and checked.
+
+Each check may only take confidence away from what the search has found.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bondgraph.diagnosis.adequacy.adequacy import adequacy
+from bondgraph.diagnosis.adequacy.records import Adequacy
+from bondgraph.diagnosis.answer.found import remaining
+from bondgraph.diagnosis.answer.leftover import noise_floor
+from bondgraph.diagnosis.answer.verdict import (
+    not_simulated,
+    verdict_of,
+    with_undecided,
+    with_values,
+    without_size,
+    worse_held_out,
+)
+from bondgraph.diagnosis.records import Comparison, Finding, Verdict
+from bondgraph.diagnosis.search.one_round import Round, accepted
+from bondgraph.diagnosis.search.options import Options
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.recordings.binding import BoundRecording
+
+
+def concluded(
+    rounds: Sequence[Round],
+    findings: Sequence[Finding],
+    wrong: Sequence[Finding],
+    trained: Comparison,
+    shown: Comparison,
+    recordings: Sequence[BoundRecording],
+    options: Options,
+) -> tuple[Verdict, str]:
+    """Return the verdict and its sentence.
+
+    Parameters
+    ----------
+    findings, wrong
+        Laws that were found, and stated values that the fit has left.
+    trained, shown
+        Whole simulations before and after, of training and of held-out recordings.
+    """
+    base, made, floor = rounds[0].base, accepted(rounds), noise_floor(recordings)
+    left = remaining(made, floor)
+    if not trained.after.nrmse < trained.before.nrmse:
+        left = max(left, 1.0)
+    checked = _checked(base, recordings, made)
+    verdict, statement = verdict_of(findings, base, floor, rounds[0], left, checked)
+    statement = with_undecided(verdict, statement, rounds[-1], options.rule)
+    if not np.isfinite(shown.after.nrmse) and np.isfinite(shown.before.nrmse):
+        verdict, statement = not_simulated(verdict, statement)
+    verdict, statement = worse_held_out(verdict, statement, shown)
+    verdict, statement = without_size(verdict, statement, findings)
+    return with_values(verdict, statement, wrong) if wrong else (verdict, statement)
+
+
+def _checked(
+    base: FittedModel, recordings: Sequence[BoundRecording], made: Sequence[Round]
+) -> Adequacy | None:
+    """Return whether the base model leaves more than noise, where nothing was found."""
+    steady = any(recording.steady for recording in recordings)
+    if made or steady or not base.problem.model.n_states:
+        return None
+    return adequacy(base, recordings)
