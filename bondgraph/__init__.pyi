@@ -261,6 +261,7 @@ from .structure.edits import ReplaceMeasurement as ReplaceMeasurement
 from .structure.edits import ReplaceRelation as ReplaceRelation
 from .structure.edits import SeveralEdits as SeveralEdits
 from .structure.edits import SignalState as SignalState
+from .structure.edits import SwapInputs as SwapInputs
 from .structure.edits import SwapMeasurements as SwapMeasurements
 from .structure.edits import WrapInput as WrapInput
 from .structure.elements import GY as GY

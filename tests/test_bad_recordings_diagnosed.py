@@ -162,6 +162,76 @@ def test_readings_of_one_unit_that_were_swapped_are_told_as_that():
         )
 
 
+MASSES = {"1": 1.0, "2": 2.5}
+
+
+def coupled_carts(**known):
+    """Return two carts; with both masses free either may be called the first."""
+    graph = BondGraph("coupled carts", domain="translation")
+    for n in "12":
+        graph.one(f"cart_{n}", Se(f"push_{n}"), I(f"mass_{n}"), R(f"drag_{n}"))
+        graph.measure(f"speed_{n}", flow=f"cart_{n}")
+        graph.parameter(f"mass_{n}", MASSES[n], "kg", bounds=(0.01, 100), **known)
+        graph.parameter(f"drag_{n}", 1.0, "N*s/m", bounds=(0, 100))
+    graph.zero("hitch", R("coupling"))
+    graph.parameter("coupling", 2.0, "N*s/m", bounds=(0.01, 100))
+    graph.join("cart_1", "hitch")
+    graph.join("hitch", "cart_2")
+    return graph.finish()
+
+
+def pushed(seed: int, names: tuple[str, str]) -> BoundRecording:
+    """Return the speeds of two carts, the push of the first under the first name."""
+    rng = np.random.default_rng(seed)
+    pushes = np.repeat(rng.uniform(-4, 4, (COUNT // 20, 2)), 20, axis=0)
+    rates = np.zeros((4, 4))
+    rates[0, :3] = np.array([-0.5 - 3.0, 3.0, 1.0]) / 1.0
+    rates[1, [0, 1, 3]] = np.array([3.0, -0.8 - 3.0, 1.0]) / 2.5
+    over_a_step = expm(rates * 0.02)
+    states = np.zeros((COUNT, 2))
+    for k in range(COUNT - 1):
+        states[k + 1] = over_a_step[:2] @ np.concatenate([states[k], pushes[k]])
+    states += 2e-3 * rng.standard_normal(states.shape)
+    channels = {name: (pushes[:, i], "N") for i, name in enumerate(names)}
+    channels |= {f"speed_{i + 1}": (states[:, i], "m/s") for i in range(2)}
+    recording = Recording.from_arrays(f"run {seed}", 0.02 * np.arange(COUNT), channels)
+    return bind(
+        recording,
+        {"push_1": "N", "push_2": "N"},
+        {"speed_1": "m/s", "speed_2": "m/s"},
+    )
+
+
+SWAPPED = (
+    "Input swap at push_1 was left out: push_1 and push_2 are swapped, each drives "
+    "what the other should."
+)
+MIRRORED = (
+    "Sensor swap at speed_1 was left out: speed_1 and speed_2 are swapped, each reads "
+    "what the other should. It cannot be told apart here from input swap."
+)
+
+
+@pytest.mark.parametrize(
+    ("known", "said"),
+    [({"std": 0.02}, SWAPPED), ({}, MIRRORED)],
+    ids=["known masses", "free masses"],
+)
+def test_inputs_of_one_kind_that_were_swapped_are_told_as_that(known, said):
+    swapped = ("push_2", "push_1")
+    training, held_out = (pushed(seed, swapped) for seed in (1, 2))
+    options = Options(settings=FitSettings(hold=Hold.ZERO))
+    diagnosis = diagnose(
+        coupled_carts(**known), [training], held_out=[held_out], options=options
+    )
+    assert diagnosis.verdict is Verdict.PHYSICS_MISSING, diagnosis.statement
+    assert diagnosis.statement == said
+    if known:
+        for name, value in {"drag_1": 0.5, "drag_2": 0.8, "coupling": 3.0}.items():
+            found = diagnosis.fit_after.estimate(name).value
+            assert found == pytest.approx(value, rel=0.05)
+
+
 @pytest.mark.parametrize("value", [0.0, 0.37])
 def test_a_sensor_that_is_stuck_is_refused_with_its_value(value):
     # It would be "explained" by any law that stops what it reads.

@@ -22,6 +22,7 @@ from bondgraph.structure.edits import (
     ReplaceMeasurement,
     SeveralEdits,
     SignalState,
+    SwapInputs,
     SwapMeasurements,
     WrapInput,
 )
@@ -262,6 +263,18 @@ def test_sensors_are_swapped_with_the_parameters_that_only_one_of_them_reads():
     assert swapped.parameters == graph.parameters
     with pytest.raises(StructureError, match="no measurement 'third'"):
         SwapMeasurements("first", "third").apply(graph)
+
+
+def test_swapped_inputs_drive_each_the_other_place_and_keep_their_order():
+    graph = MACHINES["heaters"]
+    swapped = SwapInputs("heater1", "heater2").apply(graph)
+    assert [s.name for s in swapped.inputs] == [s.name for s in graph.inputs]
+    assert Bond("heater2", "block1") in swapped.bonds
+    assert Bond("heater1", "block2") in swapped.bonds
+    again = SwapInputs("heater1", "heater2").apply(swapped)
+    assert set(again.bonds) == set(graph.bonds)
+    with pytest.raises(StructureError, match="no input 'block1'"):
+        SwapInputs("heater1", "block1").apply(graph)
 
 
 def test_a_state_of_a_signal_takes_no_power():

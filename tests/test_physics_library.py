@@ -22,6 +22,7 @@ from bondgraph.structure.edits import (
     ReplaceMeasurement,
     ReplaceRelation,
     SeveralEdits,
+    SwapInputs,
     SwapMeasurements,
     WrapInput,
 )
@@ -109,7 +110,7 @@ def test_it_fits_into_the_graph_and_is_told_in_words(number):
     assert hypothesis.element in known_names
     edits = getattr(hypothesis.edit, "edits", (hypothesis.edit,))
     changes = isinstance(
-        edits[0], ReplaceRelation | ReplaceMeasurement | SwapMeasurements
+        edits[0], ReplaceRelation | ReplaceMeasurement | SwapMeasurements | SwapInputs
     )
     before = {*graph.by_name, *(m.name for m in graph.measurements)}
     assert (hypothesis.element in before) is changes
@@ -229,7 +230,7 @@ def test_units_of_new_parameters_fit(number):
     states = getattr(edit, "states", ())
     channel = place.channel_unit if isinstance(place, ChannelPlace) else "1"
     own |= {state.value: channel for state in states}
-    if isinstance(edit, ReplaceMeasurement | SwapMeasurements | WrapInput):
+    if isinstance(edit, ReplaceMeasurement | SwapMeasurements | SwapInputs | WrapInput):
         expected = channel
     else:
         expected = _unit_of(new.by_name[hypothesis.element], hypothesis, domain)

@@ -157,6 +157,7 @@ def test_entries_that_carry_no_power_say_so():
         "sensor_nonlinearity",
         "sensor_swap",
         "input_scale",
+        "input_swap",
         "lag",
         "delay",
         "saturation",

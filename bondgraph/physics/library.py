@@ -33,7 +33,7 @@ from bondgraph.physics.ratio import Eccentricity
 from bondgraph.physics.sensing import SensorBias, SensorNonlinearity, SensorScale
 from bondgraph.physics.thermal import Radiation, TemperatureDependentResistance
 from bondgraph.physics.unknown import UnknownRelation
-from bondgraph.physics.wiring import SensorSwap
+from bondgraph.physics.wiring import InputSwap, SensorSwap
 
 LIBRARY: tuple[AbstractPhysics, ...] = (
     ViscousFriction(),
@@ -71,6 +71,7 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     SensorScale(),
     SensorSwap(),
     InputScale(),
+    InputSwap(),
     Lag(),
     Delay(),
     Saturation(),

@@ -5,11 +5,46 @@ from dataclasses import replace
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Place
-from bondgraph.physics.places.channels import OutputPlace
+from bondgraph.physics.places.channels import InputPlace, OutputPlace
 from bondgraph.physics.slips import own_values
-from bondgraph.structure.edits import SwapMeasurements
+from bondgraph.structure.edits import SwapInputs, SwapMeasurements
 from bondgraph.structure.graph import Measurement
+from bondgraph.structure.signals import Signal
 from bondgraph.structure.units import compatible, conversion
+
+
+class InputSwap(AbstractPhysics):
+    """Two inputs of one kind that were taken for each other."""
+
+    word = "input_swap"
+    reference = "wiring and labelling of channels"
+    passivity = Passivity.SIGNAL
+    signature = "each input seems to act where the other one sits"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it for an input and every later one of its kind, once per pair."""
+        if not isinstance(place, InputPlace):
+            return
+        names = [source.name for source in place.graph.inputs]
+        for other in names[names.index(place.name) + 1 :]:
+            if _drives_like(place, other):
+                yield self._swapped(place, other)
+
+    def _swapped(self, place: InputPlace, other: str) -> Hypothesis:
+        words = (
+            f"{place.name} and {other} are swapped, each drives what the other should"
+        )
+        law = Signal(place.quantity, other)
+        edit = SwapInputs(place.name, other)
+        swapped = self.hypothesis(place, edit, law, (), words)
+        return replace(swapped, starts=(own_values(place),))
+
+
+def _drives_like(place: InputPlace, other: str) -> bool:
+    """Return whether another input imposes the same quantity of the same domain."""
+    own, graph = place.graph.node(place.name), place.graph
+    same = type(graph.node(other)) is type(own)
+    return same and graph.domain_at(other) is place.domain
 
 
 class SensorSwap(AbstractPhysics):

@@ -10,6 +10,7 @@ from bondgraph.structure.edits.bonds import ConnectJunctions as ConnectJunctions
 from bondgraph.structure.edits.bonds import LoosenBond as LoosenBond
 from bondgraph.structure.edits.bonds import ObstructBond as ObstructBond
 from bondgraph.structure.edits.channels import ReplaceMeasurement as ReplaceMeasurement
+from bondgraph.structure.edits.channels import SwapInputs as SwapInputs
 from bondgraph.structure.edits.channels import SwapMeasurements as SwapMeasurements
 from bondgraph.structure.edits.channels import WrapInput as WrapInput
 from bondgraph.structure.edits.elements import InsertElement as InsertElement

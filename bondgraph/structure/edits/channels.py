@@ -14,6 +14,7 @@ from bondgraph.structure.elements import (
 )
 from bondgraph.structure.graph import FinishedGraph, Measurement
 from bondgraph.structure.parameters import Parameter
+from bondgraph.structure.renaming import Renaming
 from bondgraph.structure.signals import canonical
 
 
@@ -158,3 +159,48 @@ class WrapInput:
     def subject(self) -> str:
         """The name of what it adds or changes."""
         return self.applied
+
+
+@dataclass(frozen=True, slots=True)
+class SwapInputs:
+    """Let two sources of one kind drive each the other's place.
+
+    The machine stays: what read the one that drives a place reads the one that drives
+    it now. The recorded channels keep their names and their order.
+    """
+
+    first: str
+    second: str
+    parameters: tuple[Parameter, ...] = ()
+    nested: bool = False
+
+    def apply(self, graph: FinishedGraph) -> FinishedGraph:
+        """Return the graph with the two sources in each other's places."""
+        names = [source.name for source in graph.inputs]
+        for name in (self.first, self.second):
+            if name not in names:
+                raise StructureError(
+                    f"There is no input {name!r}.",
+                    (name,),
+                    f"Inputs here: {', '.join(names)}.",
+                )
+        moved = Renaming({self.first: self.second, self.second: self.first})
+        pieces = Pieces.of(graph)
+        pieces.nodes = list(map(moved.node, graph.nodes))
+        pieces.bonds = [(moved.bond(bond), domain) for bond, domain in pieces.bonds]
+        pieces.measurements = [
+            Measurement(m.name, moved.expression(m.expression), m.unit)
+            for m in graph.measurements
+        ]
+        for name in names:
+            pieces.to_the_end(name)
+        return pieces.finished(self.parameters)
+
+    def describe(self) -> str:
+        """Return the edit in words."""
+        return f"inputs {self.first} and {self.second} drive each other's place"
+
+    @property
+    def subject(self) -> str:
+        """The name of what it adds or changes."""
+        return self.first

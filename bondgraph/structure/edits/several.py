@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from bondgraph.structure.edits.bonds import ConnectJunctions, LoosenBond, ObstructBond
 from bondgraph.structure.edits.channels import (
     ReplaceMeasurement,
+    SwapInputs,
     SwapMeasurements,
     WrapInput,
 )
@@ -16,6 +17,7 @@ SingleEdit = (
     InsertElement
     | ReplaceRelation
     | ReplaceMeasurement
+    | SwapInputs
     | SwapMeasurements
     | WrapInput
     | LoosenBond
