@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 from bondgraph import BondGraph, C, R, Recording, Sf, bind_to
 from bondgraph.diagnosis.evidence import left_out
-from bondgraph.diagnosis.evidence.confidence import winning_shares
+from bondgraph.diagnosis.evidence.confidence import beyond_resampling, winning_shares
 from bondgraph.diagnosis.evidence.decision import (
     Judged,
     Rule,
@@ -423,6 +423,12 @@ def test_the_probability_counts_the_same_physics_where_it_cannot_be_told_apart()
     assert probability(chosen, [chosen, curve], BASE, RULE) == pytest.approx(1.0)
     nothing = judged(0.95, physics="drag")
     assert probability(nothing, [nothing], BASE, RULE) == pytest.approx(0.0)
+
+
+def test_no_more_is_stated_than_was_right_on_concealed_cases():
+    assert beyond_resampling(1.0) == pytest.approx(1.0 - 7 / 45, abs=0.01)
+    assert beyond_resampling(0.5) == pytest.approx(beyond_resampling(1.0) / 2)
+    assert beyond_resampling(0.0) == 0.0
 
 
 def twin_of(one):

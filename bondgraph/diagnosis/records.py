@@ -69,8 +69,9 @@ class Finding:
     Parameters
     ----------
     probability
-        Share of resamples of the left-out chunks in which this physics, here or at a
-        place that is not told from it, predicts best; None where it was not judged.
+        That it is this physics, here or at a place that is not told from it: the share
+        of resamples of the left-out chunks in which it predicts best, less the doubt
+        that no resampling sees (0.85 at most); None where it was not judged.
     """
 
     physics: str

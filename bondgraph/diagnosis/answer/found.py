@@ -7,6 +7,7 @@ import numpy as np
 
 from bondgraph.diagnosis.answer.showing import simulate_whole
 from bondgraph.diagnosis.answer.wording import finding_statement, name_of
+from bondgraph.diagnosis.evidence.confidence import beyond_resampling
 from bondgraph.diagnosis.evidence.decision import (
     Judged,
     alternatives_to,
@@ -60,7 +61,9 @@ def findings_of(
                 ),
                 estimates=estimates,
                 probability=(
-                    None if found.probability is None else share * found.probability
+                    None
+                    if found.probability is None
+                    else share * beyond_resampling(found.probability)
                 ),
             )
         )

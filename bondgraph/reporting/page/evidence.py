@@ -8,7 +8,6 @@ from bondgraph.diagnosis.records import Diagnosis, Evidence, Finding, Support
 from bondgraph.reporting.wording import sentence_start
 
 SHOWN = 8
-SURE = 0.995
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,6 +125,4 @@ def _of_finding(finding: Finding) -> Iterator[str]:
 
 def how_sure(probability: float) -> str:
     """Return the probability of a finding in words."""
-    if probability >= SURE:
-        return "more than 99 of 100"
     return f"{100 * probability:.0f} of 100"
