@@ -85,6 +85,21 @@ def test_slips_are_the_only_hypotheses_without_a_number():
     assert all("is recorded" in w or "reads" in w for w in slips), slips
 
 
+def test_no_law_contains_itself_and_no_two_contain_each_other():
+    here = [
+        hypothesis
+        for place in all_places(cart(), Scales())
+        for physics in LIBRARY
+        for hypothesis in physics.propose(place)
+    ]
+    pairs = [(a, b) for a in here for b in here if a.contains(b)]
+    assert not [a.told_by for a, b in pairs if b.contains(a)]
+    # One law in two forms: the one with more numbers contains the other.
+    forms = [(a, b) for a, b in pairs if a.physics == b.physics]
+    assert forms
+    assert all(len(a.parameters) > len(b.parameters) for a, b in forms)
+
+
 def test_a_divided_curve_can_be_the_undivided_one():
     coarse, fine = (
         {

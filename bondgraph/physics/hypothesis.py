@@ -101,8 +101,14 @@ class Hypothesis:
         )
 
     def contains(self, narrower: "Hypothesis") -> bool:
-        """Return whether this law is the other one, at the same place, and more."""
-        return self.place == narrower.place and narrower.physics in self.extends
+        """Return whether this law is the other one, at the same place, and more.
+
+        Of two forms of one law the one with more parameters contains the other.
+        """
+        if self.place != narrower.place or narrower.physics not in self.extends:
+            return False
+        more = len(self.parameters) > len(narrower.parameters)
+        return more or self.physics != narrower.physics
 
     @property
     def told_by(self) -> tuple[str, ...]:

@@ -84,8 +84,6 @@ def wider_than_chosen(found: Round, options: Options) -> list[Judged]:
         j
         for j in found.judged
         if chosen is not None
-        and j is not chosen
-        and j.candidate.complexity > chosen.candidate.complexity
         and j.candidate.hypothesis.contains(chosen.candidate.hypothesis)
         and (
             j.support is Support.REFUTED or not clearly_better(j, chosen, options.rule)

@@ -62,7 +62,7 @@ def judge_all(
     """
     if not worth:
         return Verdicts()
-    best = min(worth, key=lambda candidate: candidate.fitted.optimum.cost)
+    best = min(worth, key=lambda candidate: candidate.cost)
     chunks = chunk_count(best.fitted)
     before = left_out_errors(bench.base, chunks)
     first = [_first_twin(i, worth) for i in range(len(worth))]
@@ -70,7 +70,7 @@ def judge_all(
     trials = [
         Trial(
             worth[i].hypothesis,
-            (_start(worth[i]),),
+            (Start.where_ended(worth[i].fitted),),
             chunks=chunks,
         )
         for i in kinds
@@ -91,11 +91,6 @@ def judge_all(
         for i, candidate in zip(first, worth, strict=True)
     ]
     return decide(judged, before, rule, holds)
-
-
-def _start(candidate: Candidate) -> Start:
-    fitted = candidate.fitted
-    return Start(fitted.values, fitted.optimum.initial, fitted.problem.solver)
 
 
 def decide(

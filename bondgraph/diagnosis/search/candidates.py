@@ -23,9 +23,14 @@ class Candidate:
     fitted: FittedModel
     complexity: int
 
+    @property
+    def cost(self) -> float:
+        """What its fit leaves of the training data."""
+        return self.fitted.optimum.cost
+
     def reduction(self, base: FittedModel) -> float:
         """Return the relative reduction of the training error against `base`."""
-        return 1.0 - self.fitted.optimum.cost / base.optimum.cost
+        return 1.0 - self.cost / base.optimum.cost
 
 
 @dataclass(frozen=True, slots=True)

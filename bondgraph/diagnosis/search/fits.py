@@ -7,6 +7,7 @@ better starts; every candidate is refitted from relatives that fit better.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 
@@ -172,16 +173,14 @@ def _related(
         Trial(own.hypothesis, (_from_relative(own, other),))
         for own in candidates
         for other in candidates
-        if _cost(other) < RELATIVE_BETTER * _cost(own) and _akin(own, other)
+        if other.cost < RELATIVE_BETTER * own.cost and _akin(own, other)
     ]
-    leading = min(candidates, key=_cost)
+    leading = min(candidates, key=attrgetter("cost"))
     kept = {id(candidate.hypothesis) for candidate in candidates}
     wider = [
         h for h in hypotheses if id(h) not in kept and h.contains(leading.hypothesis)
     ][:WIDER]
-    there = Start(
-        _shared(leading), leading.fitted.optimum.initial, leading.fitted.problem.solver
-    )
+    there = Start.where_ended(leading.fitted)
     trials += [Trial(hypothesis, (there,)) for hypothesis in wider]
     if not trials:
         return candidates
@@ -189,7 +188,7 @@ def _related(
     best = {id(candidate.hypothesis): candidate for candidate in candidates}
     for candidate in refitted:
         known = best.get(id(candidate.hypothesis))
-        if known is None or _cost(candidate) < _cost(known):
+        if known is None or candidate.cost < known.cost:
             best[id(candidate.hypothesis)] = candidate
     return list(best.values())
 
@@ -200,10 +199,6 @@ def _akin(own: Candidate, other: Candidate) -> bool:
     if a.place == b.place:
         return a.contains(b) or b.contains(a)
     return a.physics == b.physics and own.complexity == other.complexity
-
-
-def _cost(candidate: Candidate) -> float:
-    return candidate.fitted.optimum.cost
 
 
 def _shared(other: Candidate) -> dict[str, float]:

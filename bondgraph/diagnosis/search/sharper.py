@@ -27,7 +27,7 @@ def sharpened(bench: Bench, candidates: Sequence[Candidate]) -> list[Candidate]:
     told = list(candidates)
     smooth = [i for i, own in enumerate(told) if own.hypothesis.smoothing]
     for times in SHARPER:
-        smooth.sort(key=lambda i: _cost(told[i]))
+        smooth.sort(key=lambda i: told[i].cost)
         better = _tried(bench, candidates, told, smooth[:1], times)
         if better:
             better += _tried(bench, candidates, told, smooth[1:], times)
@@ -44,22 +44,15 @@ def _tried(
 ) -> list[int]:
     """Sharpen some of those told, in place; return of which it tells."""
     trials = [
-        Trial(proposed[i].hypothesis.sharper(times), (_end_of(told[i]),)) for i in which
+        Trial(
+            proposed[i].hypothesis.sharper(times), (Start.where_ended(told[i].fitted),)
+        )
+        for i in which
     ]
     results = bench.run(fit_on, trials, f"edges {times:.0f} times sharper")
     better = []
     for i, trial, result in zip(which, trials, results, strict=True):
-        if "refused" not in result and result["cost"] < TELLS * _cost(told[i]):
+        if "refused" not in result and result["cost"] < TELLS * told[i].cost:
             (told[i],) = bench.candidates([trial], [result])
             better.append(i)
     return better
-
-
-def _end_of(candidate: Candidate) -> Start:
-    """Return a start where the fit of a candidate has ended."""
-    fitted = candidate.fitted
-    return Start(fitted.values, fitted.optimum.initial, fitted.problem.solver)
-
-
-def _cost(candidate: Candidate) -> float:
-    return candidate.fitted.optimum.cost

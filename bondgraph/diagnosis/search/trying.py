@@ -55,6 +55,11 @@ class Start:
     initial: Array | None = None
     solver: Solver | None = None
 
+    @classmethod
+    def where_ended(cls, fitted: FittedModel) -> "Start":
+        """Return a start where another fit has ended."""
+        return cls(fitted.values, fitted.optimum.initial, fitted.problem.solver)
+
 
 @dataclass(frozen=True, slots=True)
 class Trial:

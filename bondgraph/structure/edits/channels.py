@@ -1,5 +1,6 @@
 """Edits of channels: what a sensor reads, and what an input does."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import sympy
@@ -18,6 +19,28 @@ from bondgraph.structure.renaming import Renaming
 from bondgraph.structure.signals import canonical
 
 
+def _measured(graph: FinishedGraph, *wanted: str) -> None:
+    """Refuse what is not measured."""
+    _among([m.name for m in graph.measurements], wanted, "measurement", "Measured")
+
+
+def _driven(graph: FinishedGraph, *wanted: str) -> None:
+    """Refuse what no recording drives."""
+    _among([source.name for source in graph.inputs], wanted, "input", "Inputs")
+
+
+def _among(
+    names: Sequence[str], wanted: Sequence[str], kind: str, heading: str
+) -> None:
+    for name in wanted:
+        if name not in names:
+            raise StructureError(
+                f"There is no {kind} {name!r}.",
+                (name,),
+                f"{heading} here: {', '.join(names)}.",
+            )
+
+
 @dataclass(frozen=True, slots=True)
 class ReplaceMeasurement:
     """Let a sensor read another expression (scale, bias, nonlinearity, lag)."""
@@ -30,13 +53,7 @@ class ReplaceMeasurement:
 
     def apply(self, graph: FinishedGraph) -> FinishedGraph:
         """Return the graph with the sensor's expression replaced."""
-        names = [m.name for m in graph.measurements]
-        if self.measurement not in names:
-            raise StructureError(
-                f"There is no measurement {self.measurement!r}.",
-                (self.measurement,),
-                f"Measured here: {', '.join(names)}.",
-            )
+        _measured(graph, self.measurement)
         pieces = Pieces.of(graph)
         pieces.measurements = [
             Measurement(m.name, canonical(self.expression), m.unit)
@@ -73,13 +90,7 @@ class SwapMeasurements:
     def apply(self, graph: FinishedGraph) -> FinishedGraph:
         """Return the graph with the expressions of both exchanged."""
         read = {m.name: m.expression for m in graph.measurements}
-        for name in (self.first, self.second):
-            if name not in read:
-                raise StructureError(
-                    f"There is no measurement {name!r}.",
-                    (name,),
-                    f"Measured here: {', '.join(read)}.",
-                )
+        _measured(graph, self.first, self.second)
         other = {self.first: self.second, self.second: self.first}
         pieces = Pieces.of(graph)
         pieces.measurements = [
@@ -125,13 +136,8 @@ class WrapInput:
 
     def apply(self, graph: FinishedGraph) -> FinishedGraph:
         """Return the graph with the input acting through the expression."""
-        source = next((s for s in graph.inputs if s.name == self.input), None)
-        if source is None:
-            raise StructureError(
-                f"There is no input {self.input!r}.",
-                (self.input,),
-                f"Inputs here: {', '.join(s.name for s in graph.inputs)}.",
-            )
+        _driven(graph, self.input)
+        (source,) = (s for s in graph.inputs if s.name == self.input)
         (bond,) = graph.bonds_at(self.input)
         domain = graph.domain_at(self.input)
         pieces = Pieces.of(graph)
@@ -176,14 +182,7 @@ class SwapInputs:
 
     def apply(self, graph: FinishedGraph) -> FinishedGraph:
         """Return the graph with the two sources in each other's places."""
-        names = [source.name for source in graph.inputs]
-        for name in (self.first, self.second):
-            if name not in names:
-                raise StructureError(
-                    f"There is no input {name!r}.",
-                    (name,),
-                    f"Inputs here: {', '.join(names)}.",
-                )
+        _driven(graph, self.first, self.second)
         moved = Renaming({self.first: self.second, self.second: self.first})
         pieces = Pieces.of(graph)
         pieces.nodes = list(map(moved.node, graph.nodes))
@@ -192,8 +191,8 @@ class SwapInputs:
             Measurement(m.name, moved.expression(m.expression), m.unit)
             for m in graph.measurements
         ]
-        for name in names:
-            pieces.to_the_end(name)
+        for source in graph.inputs:
+            pieces.to_the_end(source.name)
         return pieces.finished(self.parameters)
 
     def describe(self) -> str:
