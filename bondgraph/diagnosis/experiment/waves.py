@@ -22,8 +22,8 @@ def waves(time: Array, random: np.random.Generator) -> dict[str, Array]:
         "slow multisine": _multisine(elapsed, slow, middle, random),
         "fast multisine": _multisine(elapsed, middle, fast, random),
         "multisine": _multisine(elapsed, slow, fast, random),
-        "slow steps": _steps(elapsed, 4.0 * slow, random),
-        "steps": _steps(elapsed, 4.0 * middle, random),
+        "slow staircase": _steps(elapsed, 4.0 * slow, random),
+        "staircase": _steps(elapsed, 4.0 * middle, random),
         "sweep": _sweep(elapsed, slow, fast),
         "small multisine": 0.1 * _multisine(elapsed, slow, middle, random),
     }
