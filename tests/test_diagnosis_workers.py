@@ -1,7 +1,9 @@
 """Work goes anywhere and gives the same answer; what was worked out is kept."""
 
 import json
-from concurrent.futures import ThreadPoolExecutor
+import math
+import time
+from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.search.screening import effective_number
 from bondgraph.diagnosis.work import workers
 from bondgraph.diagnosis.work.journal import FILE, Journal, fingerprint
+from bondgraph.diagnosis.work.limit import OUT_OF_TIME, Limit
 from bondgraph.diagnosis.work.workers import Here, On, Processes, workshop
 from bondgraph.errors import BondGraphError
 
@@ -49,6 +52,58 @@ def test_little_work_starts_no_processes():
     with workshop(Processes(2), Journal(), lambda _: None) as shop:
         shop.each(divided, 1.0, ITEMS, KEYS, "dividing")
         assert shop._pool is None
+
+
+def slow(common, item):
+    time.sleep(item)
+    return {"value": item}
+
+
+@pytest.mark.parametrize("where", [Here(), Processes(2), "threads"])
+def test_what_there_is_no_time_for_is_refused_and_done_when_the_work_goes_on(
+    where, monkeypatch, tmp_path
+):
+    monkeypatch.setattr(workers, "POOL_PAYS", -1.0)
+    items, keys = [0.0, 0.0, 0.0, 30.0, 30.0, 30.0, 30.0], list("abcdefg")
+    if where == Here():
+        items[3] = 0.8  # It is not cut off, but nothing is begun after it.
+    seconds = 10.0 if where == Processes(2) else 1.0  # Processes take time to start.
+    limit = Limit.after(seconds)
+    with ThreadPoolExecutor(2) as pool:
+        place = On(Abandoned(pool)) if where == "threads" else where
+        with workshop(place, Journal(tmp_path), lambda _: None, limit) as shop:
+            began = time.monotonic()
+            results = shop.each(slow, None, items, keys, "waiting")
+            assert time.monotonic() - began < seconds
+            assert results[-1] == {"refused": OUT_OF_TIME}
+            undone = sum("refused" in result for result in results)
+            assert limit.undone == undone >= 3
+            whole = shop.each(divided, 1.0, ITEMS, KEYS, "dividing", whole=True)
+            assert whole == EXPECTED
+        pool.shutdown(wait=False, cancel_futures=True)
+    kept = Journal(tmp_path)
+    assert [kept.get(key) is None for key in keys] == ["refused" in r for r in results]
+
+
+class Abandoned:
+    """An executor whose slow work never ends; the quick is done at once."""
+
+    def __init__(self, pool):
+        self.pool = pool
+
+    def submit(self, work, *args):
+        if any(item == 30.0 for item in args[-1]):
+            return Future()
+        return self.pool.submit(work, *args)
+
+
+def test_a_step_may_take_half_of_the_time_left():
+    limit = Limit.after(100.0)
+    assert limit.of_step() == pytest.approx(time.monotonic() + 50.0, abs=1.0)
+    assert not limit.passed
+    assert Limit.after(-1.0).passed
+    assert Limit.after(-1.0).of_step() <= time.monotonic()
+    assert Limit.after(None).of_step() == Limit().end == math.inf
 
 
 def test_progress_counts_what_is_done():

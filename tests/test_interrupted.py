@@ -5,6 +5,7 @@ import os
 import signal
 import time
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from itertools import count as counting
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import pytest
 from bondgraph import BondGraph, R, Recording, Sf, bind_to
 from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.work import journal as journals
+from bondgraph.diagnosis.work import limit as limits
 from bondgraph.diagnosis.work import workers
 from bondgraph.diagnosis.work.journal import FILE, Journal
 from bondgraph.diagnosis.work.workers import Here, On, Processes, workshop
@@ -44,7 +46,7 @@ def pulled(graph, seed, samples):
     return bind_to(graph, Recording.from_arrays(f"pull {seed}", time_, channels))
 
 
-def answer(resume=None, where=None, progress=lambda _: None):
+def answer(resume=None, where=None, progress=lambda _: None, seconds=None):
     """Return the whole answer as the JSON that programs read."""
     graph = slider()
     options = Options(
@@ -52,6 +54,7 @@ def answer(resume=None, where=None, progress=lambda _: None):
         most_findings=1,
         resume=resume,
         where=where or Here(),
+        seconds=seconds,
     )
     found = diagnose(
         graph,
@@ -89,6 +92,30 @@ def test_interrupted_at_any_sentence_it_goes_on_to_the_same_answer(tmp_path, who
         with pytest.raises(KeyboardInterrupt):
             answer(folder, progress=interrupting(count))
         assert answer(folder) == whole
+
+
+@pytest.mark.parametrize("seconds", [1, 5, 12, 20, 120])
+def test_ended_by_its_time_limit_it_says_so_and_goes_on_to_the_same_answer(
+    tmp_path, whole, seconds, monkeypatch
+):
+    """By a clock that goes on by a second whenever it is looked at."""
+    clock = counting()
+    for module in (limits, workers):
+        monkeypatch.setattr(module, "monotonic", lambda: float(next(clock)))
+    told = json.loads(answer(tmp_path, seconds=seconds))
+    assert told["complete"] is (seconds == 120)
+    if told["complete"]:
+        assert told == json.loads(whole)
+    else:
+        assert any("ended after" in note for note in told["notes"])
+        assert "Time ran out before everything had been tried." in told["statement"]
+        assert (told["verdict"] == "cannot_tell") is (told["findings"] == [])
+    assert not any("time ran out" in note for note in told["notes"])
+    assert answer(tmp_path) == whole
+
+
+def test_without_a_time_limit_everything_is_tried(whole):
+    assert json.loads(whole)["complete"] is True
 
 
 def interrupting(count):

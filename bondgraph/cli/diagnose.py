@@ -16,7 +16,7 @@ from bondgraph.cli.inputs import (
 )
 from bondgraph.cli.reading_options import Reading, recording_options
 from bondgraph.cli.session import Session
-from bondgraph.cli.work_options import work_options
+from bondgraph.cli.work_options import time_limit, work_options
 from bondgraph.diagnosis.work.workers import Where
 from bondgraph.errors import RecordingError
 from bondgraph.fitting.estimate import FitSettings
@@ -24,6 +24,7 @@ from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.windows import split as split_recording
 
 SPLIT = 0.6
+TIME_LIMIT = "8"  # min
 
 
 @click.command(
@@ -71,6 +72,16 @@ SPLIT = 0.6
     help="Keep what is worked out in this directory, and go on from what is there.",
 )
 @work_options
+@click.option(
+    "--time-limit",
+    "seconds",
+    callback=time_limit,
+    default=TIME_LIMIT,
+    show_default=True,
+    metavar="MINUTES|none",
+    help="End the search after so long; what stands by then is the answer, and the "
+    "same command goes on from there.",
+)
 @fit_options(window="auto", either=True)
 @recording_options
 @json_option
@@ -91,6 +102,7 @@ def command(
     resume: Path | None,
     either_hold: bool,
     where: Where,
+    seconds: float | None,
     json_file: str | None,
 ) -> None:
     """Say whether MODEL leaves physics out, where and which, and show it.
@@ -126,6 +138,7 @@ def command(
         experiment_file=experiment_file,
         json_file=json_file,
         where=where,
+        seconds=seconds,
         resume=resume,
         either_hold=either_hold,
     )

@@ -56,13 +56,14 @@ def answer(
     json_file: str | None,
     experiment_file: str | None = None,
     where: Where | None = None,
+    seconds: float | None = None,
     resume: Path | None = None,
     either_hold: bool = False,
 ) -> Diagnosis:
     """Diagnose, print the answer, and write the report page and the JSON."""
     every = (*training, *held_out)
     with (
-        kept_for_later(session, graph, every, resume) as journal,
+        kept_for_later(session, graph, every, resume) as kept,
         session.progress(loops=True) as progress,
     ):
         diagnosis = diagnose(
@@ -72,11 +73,13 @@ def answer(
             options=Options(
                 settings=settings,
                 where=where or Here(),
-                resume=journal,
+                resume=kept.folder,
                 either_hold=either_hold,
+                seconds=seconds,
             ),
             progress=progress,
         )
+        kept.done = diagnosis.complete
     session.say(_verdict(session, diagnosis))
     if session.loudness is not Loudness.QUIET:
         session.say("\n".join(_told(session, diagnosis)))

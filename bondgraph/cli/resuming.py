@@ -1,7 +1,7 @@
 """Where an interrupted diagnosis is kept, so that the same command goes on from there.
 
 Unless ``--resume`` names a place, the journal of a diagnosis lies among the user's
-caches and is deleted when the diagnosis ends. Its folder is named by all that the
+caches and is deleted when all has been tried. Its folder is named by all that the
 answer depends on: the words of the command, and what is in the model's and the
 recordings' files. What another version of this program wrote is not read.
 """
@@ -12,6 +12,7 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -25,14 +26,25 @@ from bondgraph.structure.graph import FinishedGraph
 FORGOTTEN = 30 * 24 * 3600.0  # s after which nobody goes on
 
 
+@dataclass(slots=True)
+class Kept:
+    """Where the journal of a diagnosis is; None where no directory can be made.
+
+    It is of no use any more once all is `done`.
+    """
+
+    folder: Path | None
+    done: bool = True
+
+
 @contextmanager
 def kept_for_later(
     session: Session,
     graph: FinishedGraph,
     recordings: Sequence[BoundRecording],
     resume: Path | None,
-) -> Iterator[Path | None]:
-    """Yield the directory of the journal; None where no directory can be made.
+) -> Iterator[Kept]:
+    """Yield where the journal is, and delete it afterwards unless there is more to do.
 
     Parameters
     ----------
@@ -41,15 +53,16 @@ def kept_for_later(
     """
     folder = resume or _own_folder(graph, recordings)
     if folder is None:
-        yield None
+        yield Kept(None)
         return
     known = _known(folder)
     if known:
         session.note(f"Going on from {_results(known)} of an interrupted diagnosis.")
     session.resumes = partial(_sentence, folder)
-    yield folder
+    kept = Kept(folder)
+    yield kept
     session.resumes = str
-    if resume is None:
+    if resume is None and kept.done:
         # Not the folder: the same command may be running a second time.
         (folder / FILE).unlink(missing_ok=True)
 

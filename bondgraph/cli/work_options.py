@@ -1,5 +1,6 @@
-"""The options of a command with much to do: on how many processes, or on a cluster."""
+"""The options of a command with much to do: where it is done, and for how long."""
 
+import math
 from collections.abc import Callable
 from functools import wraps
 from importlib import import_module
@@ -12,6 +13,21 @@ from bondgraph.diagnosis.work.workers import On, Processes, Where
 from bondgraph.errors import MissingExtraError
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+
+def time_limit(ctx: click.Context, param: click.Parameter, value: str) -> float | None:
+    """Return the seconds of a number of minutes; None where the word is ``none``."""
+    if value == "none":
+        return None
+    try:
+        minutes = float(value)
+    except ValueError:
+        minutes = math.nan
+    if not 0.0 < minutes < math.inf:
+        raise click.BadParameter(
+            f"{value!r} is not 'none' or a number of minutes.", ctx, param
+        )
+    return 60.0 * minutes
 
 
 def work_options(command: F) -> F:

@@ -24,6 +24,7 @@ from bondgraph.diagnosis.search.plainer import without_needless_parts
 from bondgraph.diagnosis.search.rounds import search
 from bondgraph.diagnosis.work.clock import Progress
 from bondgraph.diagnosis.work.journal import Journal
+from bondgraph.diagnosis.work.limit import Limit
 from bondgraph.diagnosis.work.workers import workshop
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import fit_model
@@ -62,6 +63,7 @@ def diagnose(
         If a measured output never changes in any of the training recordings.
     """
     chosen = Options() if options is None else options
+    limit = Limit.after(chosen.seconds)
     refuse_unchanging(recordings)
     read, kept_back = without_misreadings(recordings), without_misreadings(held_out)
     recordings, held_out = read.recordings, kept_back.recordings
@@ -78,7 +80,7 @@ def diagnose(
     noise = excusable(recordings)
     base = finely_stepped(base, noise)
     journal = Journal(chosen.resume)
-    with workshop(chosen.where, journal, progress) as shop:
+    with workshop(chosen.where, journal, progress, limit) as shop:
         rounds = search(base, recordings, noise, chosen, shop)
     final = base
     if rounds[-1].base is not base:

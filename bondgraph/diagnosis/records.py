@@ -169,6 +169,8 @@ class Diagnosis:
         where nothing is, or where there is no time or no input to design.
     model_before, model
         The fitted base model and the improved one (the same when adequate).
+    complete
+        Whether all was tried; False where a time limit ended the search before.
     provenance
         Versions, seeds, data hashes, settings.
     """
@@ -190,6 +192,7 @@ class Diagnosis:
     recovered: tuple[RecoveredLaw, ...] = ()
     notes: tuple[str, ...] = ()
     experiment: Experiment | None = None
+    complete: bool = True
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     @property

@@ -43,6 +43,7 @@ def diagnosis_to_dict(diagnosis: Diagnosis) -> dict[str, Any]:
         "schema": SCHEMA,
         "verdict": diagnosis.verdict.value,
         "statement": diagnosis.statement,
+        "complete": diagnosis.complete,
         "findings": [_finding(finding) for finding in diagnosis.findings],
         "fit": {
             "train": _comparison(diagnosis.train),

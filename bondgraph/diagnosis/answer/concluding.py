@@ -12,6 +12,7 @@ from bondgraph.diagnosis.adequacy.records import Adequacy
 from bondgraph.diagnosis.answer.found import remaining
 from bondgraph.diagnosis.answer.leftover import noise_floor
 from bondgraph.diagnosis.answer.verdict import (
+    cut_short,
     not_simulated,
     verdict_of,
     with_undecided,
@@ -55,6 +56,7 @@ def concluded(
         verdict, statement = not_simulated(verdict, statement)
     verdict, statement = worse_held_out(verdict, statement, shown)
     verdict, statement = without_size(verdict, statement, findings)
+    verdict, statement = cut_short(verdict, statement, rounds)
     return with_values(verdict, statement, wrong) if wrong else (verdict, statement)
 
 

@@ -10,6 +10,7 @@ from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.search.one_round import Round
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.work.limit import OUT_OF_TIME
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.result import FitResult
 from bondgraph.physics.hypothesis import Hypothesis
@@ -21,8 +22,16 @@ def notes_on(
 ) -> tuple[str, ...]:
     """Return a sentence for each law that was left aside, taken out or is too wide."""
     notes = [f"Not identifiable: {sentence}." for sentence in after.unidentifiable]
+    if options.seconds is not None and any(found.cut_short for found in rounds):
+        notes.append(
+            f"The search was ended after {options.seconds / 60:.3g} min, as its time "
+            "limit says; laws that were not tried may explain more or better. What was "
+            "worked out is kept: the same work goes on from there."
+        )
     for found in rounds:
         for rejected in found.rejected:
+            if rejected.reason == OUT_OF_TIME:
+                continue  # Told once, of all of them.
             hypothesis = rejected.hypothesis
             notes.append(
                 f"{_sentence_start(hypothesis)} was left aside: {rejected.reason}"

@@ -77,6 +77,7 @@ def answer(
             *look_alikes(findings, base, recordings),
             *notes_on(rounds, after, options),
         ),
+        complete=not any(one.cut_short for one in rounds),
         provenance=provenance(recordings, held_out, options, final),
     )
 

@@ -14,7 +14,7 @@ from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.records import Comparison, Finding, Support, Verdict
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.diagnosis.search.horizons import SAME
-from bondgraph.diagnosis.search.one_round import Round
+from bondgraph.diagnosis.search.one_round import Round, accepted
 from bondgraph.fitting.estimate import FittedModel
 
 NOTHING = (AdequacyStatus.ADEQUATE, AdequacyStatus.COLOURED)
@@ -215,12 +215,14 @@ def without_size(
     """Return the verdict where nothing tells a single number of what was found.
 
     A law of which no size, no place and no time is told from none only lends its form
-    to something else. What was found first decides the verdict.
+    to something else. What was found first decides the verdict. The heights of a curve
+    are no such numbers: a free resistance can take a part of all of them.
     """
     hollow = [
         finding
         for finding in findings
         if finding.estimates
+        and finding.physics != CURVE
         and all(
             e.std is None or abs(e.value) <= ERRORS * e.std for e in finding.estimates
         )
@@ -234,6 +236,16 @@ def without_size(
     )
     first = hollow[0] is findings[0]
     return (Verdict.UNEXPLAINED if first else verdict), told
+
+
+def cut_short(
+    verdict: Verdict, statement: str, rounds: Sequence[Round]
+) -> tuple[Verdict, str]:
+    """Return the verdict where time ran out: what was not tried may explain it."""
+    if verdict is Verdict.ADEQUATE or not any(found.cut_short for found in rounds):
+        return verdict, statement
+    told = f"{statement} Time ran out before everything had been tried."
+    return (verdict if accepted(rounds) else Verdict.CANNOT_TELL), told
 
 
 def not_simulated(verdict: Verdict, statement: str) -> tuple[Verdict, str]:

@@ -75,7 +75,7 @@ def judge_all(
         )
         for i in kinds
     ]
-    results = bench.run(errors_left_out, trials, "judging")
+    results = bench.run(errors_left_out, trials, "judging", whole=True)
     per_sample = float(np.sum((noise / bench.base.problem.sigma) ** 2))
     errors = {
         i: LeftOutErrors(

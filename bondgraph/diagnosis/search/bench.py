@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bondgraph.diagnosis.search.candidates import Candidate
-from bondgraph.diagnosis.search.posing import light, thinned
+from bondgraph.diagnosis.search.posing import coarse, light, thinned
 from bondgraph.diagnosis.search.steps import solver_named
 from bondgraph.diagnosis.search.surrogates import Baseline
 from bondgraph.diagnosis.search.trying import Start, Trial, restored
@@ -34,14 +34,18 @@ class Bench:
             problem.start, problem.shots.time, problem.shots.inputs,
             problem.shots.outputs, problem.shots.edges, base.settings,
         )  # fmt: skip
-        return cls(base, shop, name, thinned(base), told)
+        return cls(base, shop, name, coarse(thinned(base)), told)
 
     def run(
-        self, work: Work, trials: Sequence[Trial], what: str, *, few: bool = False
-    ) -> list[Plain]:
-        """Do a piece of work for every trial, on few data or on all."""
+        self, work: Work, trials: Sequence[Trial], what: str, *, few: bool = False,
+        whole: bool = False,
+    ) -> list[Plain]:  # fmt: skip
+        """Do a piece of work for every trial, on few data or on all.
+
+        There may be no time for some, but where the `whole` is asked for.
+        """
         common = light(self.few if few else self.base)
-        return self._run(work, common, trials, what)
+        return self._run(work, common, trials, what, whole=whole)
 
     def screen(self, work: Work, trials: Sequence[Trial], what: str) -> list[Plain]:
         """Do a piece of work that needs the base model's residual, on few data."""
@@ -50,10 +54,12 @@ class Bench:
         return self._run(work, common, trials, what)
 
     def _run(
-        self, work: Work, common: object, trials: Sequence[Trial], what: str
-    ) -> list[Plain]:
+        self, work: Work, common: object, trials: Sequence[Trial], what: str, *,
+        whole: bool = False,
+    ) -> list[Plain]:  # fmt: skip
         keys = [f"{work.__name__} {self.id} {_told(trial)}" for trial in trials]
-        return self.shop.each(work, common, trials, keys, f"{self.name}: {what}")
+        step = f"{self.name}: {what}"
+        return self.shop.each(work, common, trials, keys, step, whole=whole)
 
     def candidates(
         self, trials: Sequence[Trial], results: Sequence[Plain]

@@ -70,6 +70,8 @@ class Round:
         Of its physics being the best of those judged.
     removed
         What earlier rounds had added and is needless beside it.
+    cut_short
+        Whether time ran out before all had been tried.
     """
 
     base: FittedModel
@@ -80,6 +82,7 @@ class Round:
     chosen: Judged | None = None
     probability: float | None = None
     removed: tuple[Hypothesis, ...] = ()
+    cut_short: bool = False
 
 
 def accepted(rounds: Sequence[Round]) -> list[Round]:
@@ -135,7 +138,7 @@ class Setting:
 
 def one_round(setting: Setting, shop: Workshop) -> Round:
     """Propose, screen, fit and judge; return what was found."""
-    base, options = setting.base, setting.options
+    base, options, done = setting.base, setting.options, shop.limit.undone
     bench = Bench.of(base, shop, f"round {setting.number}")
     hypotheses = _considered(setting)
     screened = screen(bench, hypotheses)
@@ -161,6 +164,7 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
         (*screened.rejected, *look.rejected),
         chosen,
         verdicts.probability,
+        cut_short=shop.limit.undone > done,
     )
 
 

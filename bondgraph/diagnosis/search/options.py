@@ -34,6 +34,9 @@ class Options:
     either_hold
         Whether inputs may behave between samples as suits the base model better,
         rather than as `settings` say.
+    seconds
+        After so many the search ends: what stands by then is the answer, and says that
+        it was cut short. None for as long as it takes.
     """
 
     settings: FitSettings = field(default_factory=FitSettings)
@@ -45,3 +48,4 @@ class Options:
     where: Where = field(default_factory=Here)
     resume: Path | None = None
     either_hold: bool = False
+    seconds: float | None = None

@@ -54,6 +54,8 @@ def search(
         number = len(rounds) + 1
         if number > options.most_findings or within(current, noise, options.rule):
             return [*rounds, Round(current)]
+        if rounds and shop.limit.passed:
+            return [*rounds, Round(current, cut_short=True)]
         # Where a named law has explained nearly all, a free curve would only bend it.
         much = left_beside(base, current, noise) > options.rule.materiality
         setting = Setting(current, recordings, noise, options, number, added, much)

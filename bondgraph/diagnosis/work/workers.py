@@ -6,16 +6,19 @@ was interrupted goes on where it stopped. Results come back in the order of the 
 whoever finished first.
 """
 
+import math
 import os
-from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import Executor, Future, as_completed
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
+from time import monotonic
 from typing import Any
 
 from bondgraph.diagnosis.work.clock import Clock, Progress
 from bondgraph.diagnosis.work.journal import Journal, Plain
+from bondgraph.diagnosis.work.limit import OUT_OF_TIME, Limit
 from bondgraph.diagnosis.work.pool import Pool
 from bondgraph.errors import BondGraphError
 
@@ -74,19 +77,22 @@ Where = Here | Processes | On
 
 @dataclass(slots=True)
 class Workshop:
-    """Where work is done during one diagnosis, with its journal and its progress."""
+    """Where work is done during one diagnosis: its journal, progress and time limit."""
 
     where: Where
     journal: Journal
     progress: Progress
+    limit: Limit = field(default_factory=Limit)
     _pool: Pool | None = field(default=None, init=False)
     _broken: bool = field(default=False, init=False)
 
     def each(
         self, work: Work, common: Any, items: Sequence[Any], keys: Sequence[str],
-        what: str,
+        what: str, *, whole: bool = False,
     ) -> list[Plain]:  # fmt: skip
         """Return ``work(common, item)`` for every item, in their order.
+
+        What there was no time for is refused.
 
         Parameters
         ----------
@@ -95,6 +101,8 @@ class Workshop:
             depends on.
         what
             The step, for the progress: ``round 1: screening``.
+        whole
+            Whether all is done, whatever time it takes.
 
         Raises
         ------
@@ -108,18 +116,20 @@ class Workshop:
             if found[key] is None
         }
         clock = Clock(what, len(missing), self.progress)
-        with closing(self._done(work, common, missing, clock)) as done:
+        until = math.inf if whole else self.limit.of_step()
+        with closing(self._done(work, common, missing, clock, until)) as done:
             for key, result in done:
                 found[key] = self.journal.put(key, result)
                 clock.tick()
-        return [_known(found[key]) for key in keys]
+        self.limit.undone += clock.total - clock.done
+        return [found[key] or {"refused": OUT_OF_TIME} for key in keys]
 
     def _done(
-        self, work: Work, common: Any, items: dict[str, Any], clock: Clock
+        self, work: Work, common: Any, items: dict[str, Any], clock: Clock, until: float
     ) -> Generator[tuple[str, Plain], None, None]:
         """Yield results as they come: some here, the rest where it pays."""
         waiting, lost = dict(items), 0
-        while waiting:
+        while waiting and monotonic() < until:
             executor = self._executor(clock.left, len(waiting))
             if executor is None:
                 key = next(iter(waiting))
@@ -128,13 +138,15 @@ class Workshop:
             # After a loss one each, so that the others do not depend on what lost it.
             size = 1 if lost else -(-len(waiting) // (BATCHES * self._workers))
             try:
-                for key, result in _sent(executor, work, common, waiting, size):
+                for key, result in _sent(executor, work, common, waiting, size, until):
                     del waiting[key]
                     lost = 0
                     yield key, result
             except Exception as error:
                 lost += 1
                 self._go_on_after(error, lost, clock.what)
+        if waiting:
+            self.close(now=True)  # Not to wait for what there is no time for.
 
     def _go_on_after(self, error: Exception, lost: int, what: str) -> None:
         """Prepare to go on after a failure of an executor, or raise the error.
@@ -179,9 +191,11 @@ class Workshop:
 
 
 @contextmanager
-def workshop(where: Where, journal: Journal, progress: Progress) -> Iterator[Workshop]:
+def workshop(
+    where: Where, journal: Journal, progress: Progress, limit: Limit | None = None
+) -> Iterator[Workshop]:
     """Yield a workshop, and end its processes afterwards, whatever happens."""
-    shop = Workshop(where, journal, progress)
+    shop = Workshop(where, journal, progress, limit or Limit())
     try:
         yield shop
     except BaseException:
@@ -191,8 +205,9 @@ def workshop(where: Where, journal: Journal, progress: Progress) -> Iterator[Wor
 
 
 def _sent(
-    executor: Executor, work: Work, common: Any, items: dict[str, Any], size: int
-) -> Iterator[tuple[str, Plain]]:
+    executor: Executor, work: Work, common: Any, items: dict[str, Any], size: int,
+    until: float,
+) -> Iterator[tuple[str, Plain]]:  # fmt: skip
     """Yield what an executor makes of items, `size` at a time, as it comes."""
     names = list(items)
     batches = [names[i : i + size] for i in range(0, len(names), size)]
@@ -201,17 +216,24 @@ def _sent(
         for batch in batches:
             parts = [items[name] for name in batch]
             futures[executor.submit(_batch, work, common, parts)] = batch
-        for future in as_completed(futures):
+        for future in _completed(futures, until):
             yield from zip(futures[future], future.result(), strict=True)
     finally:
         for future in futures:
             future.cancel()
 
 
+def _completed(
+    futures: Iterable[Future[list[Plain]]], until: float
+) -> Iterator[Future[list[Plain]]]:
+    """Yield futures as they are done, until time has run out."""
+    waiting = set(futures)
+    while waiting and (left := until - monotonic()) > 0.0:
+        done, waiting = wait(
+            waiting, None if left == math.inf else left, FIRST_COMPLETED
+        )
+        yield from done
+
+
 def _batch(work: Work, common: Any, items: Sequence[Any]) -> list[Plain]:
     return [work(common, item) for item in items]
-
-
-def _known(result: Plain | None) -> Plain:
-    assert result is not None
-    return result
