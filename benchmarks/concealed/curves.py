@@ -82,7 +82,7 @@ def _absorbs_linear(truth: Truth, effect: Effect, absorbed: Absorbed) -> bool:
     word = "leak" if stores else "viscous_friction"
     site = replace(effect.site, word=word, law="")
     dry = replace(effect.site, word="tabulated_law", law="")
-    small = 1e-3
+    small = 1e-5  # What is absorbed is, to first order: the rest grows as its square.
     linear = absorbed.strength([Effect(site, small)]).max()
     return bool(linear < 0.1 * absorbed.strength([Effect(dry, small)]).max())
 
