@@ -81,8 +81,9 @@ def fit_best(
         if one.reduction >= keep * (best if one.hypothesis.physics == CURVE else lead)
     ]
     kept = _with_narrower(worth[:most], worth[most:])
-    same = bench.few is bench.base
-    starts = [one.as_start(with_states=same) for one in kept]
+    same = bench.few.problem.shots is bench.base.problem.shots
+    finer = bench.base.problem.solver.substeps // bench.few.problem.solver.substeps
+    starts = [one.as_start(with_states=same, finer=finer) for one in kept]
     fitted = bench.run(fit_fully, starts, "fits")
     ended = _related(bench, bench.candidates(starts, fitted), hypotheses)
     return sharpened(bench, ended)
@@ -96,10 +97,11 @@ class _Reached:
     hypothesis: Hypothesis
     result: Plain
 
-    def as_start(self, *, with_states: bool) -> Trial:
-        """Return the trial that goes on from here."""
+    def as_start(self, *, with_states: bool, finer: int = 1) -> Trial:
+        """Return the trial that goes on from here, with so many times the substeps."""
         states = np.array(self.result["initial"]) if with_states else None
-        solver = solver_named(*self.result["solver"])
+        kind, substeps = self.result["solver"]
+        solver = solver_named(kind, finer * substeps)
         return Trial(self.hypothesis, (Start(self.result["values"], states, solver),))
 
 

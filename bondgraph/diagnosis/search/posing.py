@@ -6,6 +6,7 @@ from dataclasses import fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.search.steps import coarser
 from bondgraph.fitting.estimate import FittedModel, pose, prepare
 from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.fitting.problem import FitProblem, Linearisation
@@ -89,6 +90,19 @@ def light(fitted: FittedModel) -> FittedModel:
     empty = {field.name: np.zeros(0) for field in fields(Linearisation)}
     optimum = replace(fitted.optimum, linearisation=Linearisation(**empty))
     return replace(fitted, optimum=optimum)
+
+
+def coarse(fitted: FittedModel) -> FittedModel:
+    """Return the model fitted with as few steps as tell hypotheses apart."""
+    problem, optimum = fitted.problem, fitted.optimum
+    solver = coarser(problem, optimum.theta, optimum.initial)
+    if solver == problem.solver:
+        return fitted
+    problem = replace(problem, solver=solver)
+    optimum = minimise(
+        problem, optimum.theta, optimum.initial, iterations=THINNED_ITERATIONS
+    )
+    return replace(fitted, problem=problem, optimum=optimum)
 
 
 def thinned(fitted: FittedModel, most: int = SCREENED) -> FittedModel:
