@@ -96,7 +96,7 @@ def judge(
 ) -> Judged:
     """Return what the left-out chunks say of one candidate among `tried`."""
     gain = compare(base, errors)
-    corrected = min(gain.p_value * max(tried, 1.0), 1.0)
+    corrected = gain.p_value * max(tried, 1.0)
     enough = gain.value >= rule.materiality
     sure = corrected <= rule.false_alarm_probability
     if enough and sure:

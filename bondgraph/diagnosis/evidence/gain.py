@@ -52,9 +52,9 @@ def compare(before: LeftOutErrors, after: LeftOutErrors) -> Gain:
     if total <= 0.0:
         return Gain(0.0, 0.0, 1.0)
     value = 1.0 - a.sum() / total
-    leave_one = 1.0 - (a.sum() - a) / np.maximum(total - b, 1e-300)
+    left = (a.sum() - a) / np.maximum(total - b, 1e-300)  # without each chunk in turn
     n = len(b)
-    std = float(np.sqrt((n - 1) / n * ((leave_one - leave_one.mean()) ** 2).sum()))
+    std = float(np.sqrt((n - 1) / n * ((left - left.mean()) ** 2).sum()))
     if std == 0.0:
         return Gain(float(value), 0.0, 0.0 if value > 0 else 1.0)
     tests = [float(stdtr(n - 1, -value / std)), _above_zero(_log_ratios(b, a))]

@@ -95,7 +95,7 @@ def left_out_errors(fitted: FittedModel, chunks: int) -> LeftOutErrors:
     """
     problem = fitted.problem
     labels = chunk_labels(problem, chunks)
-    blocks = labels if chunks == MOST_CHUNKS else chunk_labels(problem, MOST_CHUNKS)
+    blocks = chunk_labels(problem, MOST_CHUNKS)
     totals, nats = np.zeros(chunks), np.zeros(MOST_CHUNKS)
     unknowns, samples = len(problem.free) + fitted.optimum.initial.size, 0
     for fold in range(FOLDS):
