@@ -1,14 +1,12 @@
 """What is tried to be dropped is tried cheaply; what is told is fitted with care."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from bondgraph import BondGraph, I, R, Recording, Se, bind_to
 from bondgraph.diagnosis.probing import measure_scales
-from bondgraph.diagnosis.search import trying
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.between_samples import simulated_as
 from bondgraph.diagnosis.search.candidates import Promised
@@ -90,24 +88,3 @@ def test_what_is_kept_is_fitted_with_the_steps_of_the_base(fitted):
     assert [c.fitted.problem.solver for c in found] == [Sdirk2(4)]
     (name,) = drag.strengths
     assert found[0].fitted.values[name] == pytest.approx(DRAG, rel=0.05)
-
-
-@pytest.mark.parametrize("count", [1, 2, 3, 4, 7])
-def test_of_many_starts_the_better_half_goes_on(count, monkeypatch):
-    """A first step takes one from each cost; then they are told by it."""
-    taken = []
-
-    def one_step(problem, theta, initial, *, iterations):
-        taken.append(iterations)
-        return SimpleNamespace(theta=theta, initial=initial, cost=float(theta[0]))
-
-    monkeypatch.setattr(trying, "minimise", one_step)
-    costs = np.random.default_rng(1).permutation(count)
-    starts = [(np.array([float(cost)]), np.zeros((1, 1))) for cost in costs]
-    going_on = [float(theta[0]) for theta, _ in trying._leading(None, starts)]
-    if count < 3:
-        assert going_on == [float(cost) for cost in costs]
-        assert taken == []
-    else:
-        assert going_on == [float(i) for i in range((count + 1) // 2)]
-        assert taken == [1] * count

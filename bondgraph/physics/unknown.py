@@ -143,20 +143,18 @@ def _turning(visited: tuple[float, float], size: float) -> tuple[float, ...]:
 def _interpolation(
     x: sympy.Expr, knots: tuple[float, ...], heights: tuple[Coefficient, ...]
 ) -> sympy.Expr:
-    """Return the broken line through (knot, height), going on beyond its ends.
+    """Return the broken line through (knot, height), constant beyond the ends.
 
-    A line and a sum of ``|x - knot|``, each with half the change of slope at its knot.
-    It goes on, for a free resistance may have what is missing of its slope.
+    A sum of ``|x - knot|``, each with half the change of slope at its knot.
     """
     values = [height.symbol for height in heights]
     slopes = [
         (b - a) / (high - low)
         for (low, high), (a, b) in zip(pairwise(knots), pairwise(values), strict=True)
     ]
+    bends = pairwise((sympy.S.Zero, *slopes, sympy.S.Zero))
     kinks = (
         sympy.Mul(after - before, sympy.Abs(x - knot), sympy.S.Half)
-        for knot, (before, after) in zip(knots[1:-1], pairwise(slopes), strict=True)
+        for knot, (before, after) in zip(knots, bends, strict=True)
     )
-    first, last = slopes[0] * (x - knots[0]), slopes[-1] * (x - knots[-1])
-    ends = (values[0] + values[-1] + first + last) / 2
-    return sympy.Add(ends, *kinks)
+    return sympy.Add((values[0] + values[-1]) / 2, *kinks)

@@ -215,14 +215,12 @@ def without_size(
     """Return the verdict where nothing tells a single number of what was found.
 
     A law of which no size, no place and no time is told from none only lends its form
-    to something else. What was found first decides the verdict. The heights of a curve
-    are no such numbers: a free resistance can take a part of all of them.
+    to something else. What was found first decides the verdict.
     """
     hollow = [
         finding
         for finding in findings
         if finding.estimates
-        and finding.physics != CURVE
         and all(
             e.std is None or abs(e.value) <= ERRORS * e.std for e in finding.estimates
         )

@@ -6,7 +6,6 @@ be run anywhere (`workers`).
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -42,8 +41,6 @@ LONGER = 15
 FULL_ITERATIONS = 30
 SETTLE_ITERATIONS = 4
 TOLERANCE = 1e-4
-FEW_STARTS = 3
-"""From so many on, only those go on that lead after a first step."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,7 +180,7 @@ def _best(
     """
     best: Optimum | None = None
     solver = problem.solver
-    for theta, initial in _leading(problem, _begin(base, trial, problem)):
+    for theta, initial in _begin(base, trial, problem):
         found = faithful(problem, theta, initial, iterations, TOLERANCE)
         if best is None or found.optimum.cost < best.cost:
             best, solver = found.optimum, found.solver
@@ -198,22 +195,6 @@ def _best(
         name = f"{trial.hypothesis.physics} at {trial.hypothesis.place}"
         raise BondGraphError(f"{name} could not be simulated.", (name,))
     return best, solver
-
-
-def _leading(
-    problem: FitProblem, starts: list[tuple[Array, Array]]
-) -> list[tuple[Array, Array]]:
-    """Return the better half of starts, where a first step from each has led.
-
-    Of many starts most lead to the same end, or to none.
-    """
-    if len(starts) < FEW_STARTS:
-        return starts
-    stepped = [
-        minimise(problem, theta, initial, iterations=1) for theta, initial in starts
-    ]
-    stepped.sort(key=attrgetter("cost"))
-    return [(one.theta, one.initial) for one in stepped[: (len(stepped) + 1) // 2]]
 
 
 def _begin(

@@ -232,7 +232,12 @@ def _completed(
         done, waiting = wait(
             waiting, None if left == math.inf else left, FIRST_COMPLETED
         )
-        yield from done
+        # What is done counts before what was lost with the process of another.
+        yield from sorted(done, key=_has_failed)
+
+
+def _has_failed(future: Future[list[Plain]]) -> bool:
+    return future.cancelled() or future.exception() is not None
 
 
 def _batch(work: Work, common: Any, items: Sequence[Any]) -> list[Plain]:
