@@ -242,8 +242,11 @@ def cut_short(
     """Return the verdict where time ran out: what was not tried may explain it."""
     if verdict is Verdict.ADEQUATE or not any(found.cut_short for found in rounds):
         return verdict, statement
-    told = f"{statement} Time ran out before everything had been tried."
-    return (verdict if accepted(rounds) else Verdict.CANNOT_TELL), told
+    told = "Time ran out before everything had been tried."
+    if accepted(rounds):
+        return verdict, f"{statement} {told}"
+    nothing = "Nothing that was tried explains what the model leaves."
+    return Verdict.CANNOT_TELL, f"{told} {nothing}"
 
 
 def not_simulated(verdict: Verdict, statement: str) -> tuple[Verdict, str]:
