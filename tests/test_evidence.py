@@ -5,15 +5,23 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from judged_candidates import (
+    BASE,
+    RULE,
+    candidate,
+    errors,
+    judged,
+    slider,
+    with_residuals,
+)
 from scipy import stats
 from scipy.signal import lfilter
 
-from bondgraph import BondGraph, C, R, Recording, Sf, bind_to
+from bondgraph import BondGraph, C, Recording, Sf, bind_to
 from bondgraph.diagnosis.evidence import left_out
 from bondgraph.diagnosis.evidence.confidence import beyond_resampling, winning_shares
 from bondgraph.diagnosis.evidence.decision import (
     Judged,
-    Rule,
     alike,
     alternatives_to,
     best_supported,
@@ -34,25 +42,7 @@ from bondgraph.diagnosis.evidence.surprise import LOST, surprise
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.fitting.estimate import FitSettings, fit_model
-from bondgraph.fitting.horizon import SHORTEST, WholeRecordings, Windows
-
-RULE = Rule()
-
-
-def slider(samples=600, noise=0.1, horizon=None):
-    """Return a fitted slider whose friction is viscous, and what was recorded."""
-    graph = BondGraph("slider", domain="translation")
-    graph.one("body", Sf("speed"), R("rub"))
-    graph.measure("force", effort="rub")
-    graph.parameter("rub", 2.0, "N*s/m")
-    random = np.random.default_rng(1)
-    time = 0.01 * np.arange(samples)
-    speed = random.standard_normal(samples)
-    force = 2.2 * speed + noise * random.standard_normal(samples)
-    channels = {"speed": (speed, "m/s"), "force": (force, "N")}
-    recording = bind_to(graph.finish(), Recording.from_arrays("a", time, channels))
-    settings = FitSettings(horizon=horizon or WholeRecordings())
-    return fit_model(graph.finish(), [recording], settings), speed, force
+from bondgraph.fitting.horizon import SHORTEST, Windows
 
 
 def by_hand(speed, force, labels, chunks, scored, shown=0):
@@ -117,14 +107,6 @@ def test_a_model_that_cannot_be_simulated_has_finite_and_huge_errors(monkeypatch
     assert (left_out_errors(fitted, 6).chunks == 1e13).all()
 
 
-def with_residuals(residuals, windows=1):
-    shots = SimpleNamespace(n_windows=windows)
-    at = SimpleNamespace(residuals=residuals)
-    return SimpleNamespace(
-        optimum=SimpleNamespace(linearisation=at), problem=SimpleNamespace(shots=shots)
-    )
-
-
 def test_chunks_are_several_correlation_times_long():
     random = np.random.default_rng(3)
     white = random.standard_normal((4000, 1))
@@ -158,10 +140,6 @@ def test_chunks_are_equal_parts_or_runs_of_whole_windows():
         chunk_labels(problem_of([2, 3, 1, 4]), 2), [0] * 5 + [1] * 5
     )
     np.testing.assert_array_equal(chunk_labels(problem_of([1, 2]), 2), [0, 1, 1])
-
-
-def errors(*values):
-    return LeftOutErrors(np.array(values, dtype=float))
 
 
 def test_a_gain_is_the_share_of_the_error_with_its_jackknife_error():
@@ -215,30 +193,6 @@ def test_a_gain_of_nothing_and_a_gain_of_the_same_everywhere():
     worse = compare(errors(1, 2, 3, 4), errors(2, 3, 5, 9))
     assert worse.value < 0
     assert worse.p_value == 1.0
-
-
-def candidate(physics="drag", place="body", complexity=1, extends=(), domain=""):
-    domains = [SimpleNamespace(name=domain)] if domain else []
-    return SimpleNamespace(
-        hypothesis=SimpleNamespace(physics=physics, place=place, extends=extends),
-        complexity=complexity,
-        fitted=SimpleNamespace(graph=SimpleNamespace(domains_at=lambda _: domains)),
-    )
-
-
-def judged(left, support=Support.SUPPORTED, noise=1.0, **kinds):
-    """Return a candidate that leaves `left` of every chunk's error, give or take.
-
-    Of that, the share `noise` is known to be noise.
-    """
-    ripple = 1.0 + 0.01 * np.sin(np.arange(24) * len(str(kinds)))
-    chunks = BASE.chunks * left * ripple
-    after = LeftOutErrors(chunks, noise=noise * float(chunks.sum()))
-    gain = compare(BASE, after)
-    return Judged(candidate(**kinds), after, gain, support, "")
-
-
-BASE = LeftOutErrors(1.0 + 0.3 * np.sin(np.arange(24.0)))
 
 
 @pytest.mark.parametrize(

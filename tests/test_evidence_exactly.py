@@ -8,6 +8,15 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from judged_candidates import (
+    BASE,
+    RULE,
+    candidate,
+    errors,
+    judged,
+    slider,
+    with_residuals,
+)
 from scipy import stats
 
 from bondgraph.diagnosis.evidence import judging
@@ -37,15 +46,6 @@ from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.fitting.colour import MOST_ORDER, colour_of
 from bondgraph.fitting.horizon import SHORTEST, Windows
-from tests.test_evidence import (
-    BASE,
-    RULE,
-    candidate,
-    errors,
-    judged,
-    slider,
-    with_residuals,
-)
 
 
 @pytest.mark.parametrize(

@@ -21,14 +21,13 @@ TRUSTED = ("bondgraph/causality", "bondgraph/equations", "bondgraph/diagnosis/ev
 TESTS = tuple(
     f"tests/test_{name}.py"
     for name in (
-        "causality causality_choices causality_exhaustive causality_words "
-        "catalogue composition diagnosis_workers energy equations evidence "
-        "evidence_exactly "
-        "explicit_form fields flegx_models hard_contact hard_numbers implicit_route "
-        "invariants jump latex laws_turned_round linear_systems mechanics "
-        "model_channels model_text planar_leg port_hamiltonian search_rules "
-        "sensitivities set_valued_friction sparse_jacobian steady_state "
-        "transfer_matrix"
+        "catalogue causality causality_choices causality_exhaustive "
+        "causality_words composition diagnosis_workers energy equations "
+        "equations_exactly evidence evidence_exactly explicit_form fields "
+        "flegx_models hard_contact hard_numbers implicit_route invariants jump "
+        "latex laws_turned_round linear_systems mechanics model_channels "
+        "model_text planar_leg port_hamiltonian search_rules sensitivities "
+        "set_valued_friction sparse_jacobian steady_state transfer_matrix"
     ).split()
 )
 """The quickest that check these packages; others would kill more, for a longer wait."""
@@ -133,10 +132,11 @@ def try_mutants(work: Path, sample: int, seed: int, seconds: float, only: str) -
 
 
 def entries(work: Path) -> list[dict[str, Any]]:
-    """Return what was tried so far."""
+    """Return what was tried so far, each mutant once: two runs may share the file."""
     file = work / TRIED
     text = file.read_text() if file.exists() else ""
-    return [json.loads(line) for line in text.splitlines()]
+    found = map(json.loads, text.splitlines())
+    return list({entry["name"]: entry for entry in found}.values())
 
 
 def _tried(mutant: Mutant, covered: dict[str, Any]) -> dict[str, Any]:

@@ -4,6 +4,7 @@ Every command has ``-q``, ``-v``, ``--color`` and ``--traceback``, before the co
 name or after it, and ``--json``. They act on the session and are not passed on.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
@@ -44,6 +45,15 @@ class OneOf(click.Choice[str]):
             hint = near if near.startswith("Did") else f"It is one of {words}."
             self.fail(f"there is no {value!r}. {hint}", param, ctx)
         return super().convert(value, param, ctx)
+
+
+def positive_number(value: str) -> float | None:
+    """Return the positive finite number that a text is; None where it is none."""
+    try:
+        number = float(value)
+    except ValueError:
+        return None
+    return number if 0.0 < number < math.inf else None
 
 
 class WholeNumber(click.IntRange):

@@ -4,7 +4,6 @@ How long at a stretch and what lies between two samples of an input; for fits al
 a residual costs, how the noise is coloured, and from how many starts.
 """
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
@@ -12,7 +11,7 @@ from typing import Any, TypeVar
 
 import click
 
-from bondgraph.cli.command import OneOf, WholeNumber
+from bondgraph.cli.command import OneOf, WholeNumber, positive_number
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.fitting.horizon import Automatic, Horizon, Seconds, WholeRecordings
 from bondgraph.fitting.loss import Huber, Loss, SquaredError, StudentT
@@ -34,11 +33,8 @@ def _horizon(ctx: click.Context, param: click.Parameter, value: str) -> Horizon:
     """Return what ``whole``, ``auto`` or a number of seconds means."""
     if value in ("whole", "auto"):
         return WholeRecordings() if value == "whole" else Automatic()
-    try:
-        seconds = float(value)
-    except ValueError:
-        seconds = math.nan
-    if not 0 < seconds < math.inf:
+    seconds = positive_number(value)
+    if seconds is None:
         raise click.BadParameter(
             f"{value!r} is not 'whole', 'auto' or a number of seconds.", ctx, param
         )

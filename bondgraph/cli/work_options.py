@@ -1,6 +1,5 @@
 """The options of a command with much to do: where it is done, and for how long."""
 
-import math
 from collections.abc import Callable
 from functools import wraps
 from importlib import import_module
@@ -8,7 +7,7 @@ from typing import Any, TypeVar
 
 import click
 
-from bondgraph.cli.command import WholeNumber
+from bondgraph.cli.command import WholeNumber, positive_number
 from bondgraph.diagnosis.work.workers import On, Processes, Where
 from bondgraph.errors import MissingExtraError
 
@@ -19,11 +18,8 @@ def time_limit(ctx: click.Context, param: click.Parameter, value: str) -> float 
     """Return the seconds of a number of minutes; None where the word is ``none``."""
     if value == "none":
         return None
-    try:
-        minutes = float(value)
-    except ValueError:
-        minutes = math.nan
-    if not 0.0 < minutes < math.inf:
+    minutes = positive_number(value)
+    if minutes is None:
         raise click.BadParameter(
             f"{value!r} is not 'none' or a number of minutes.", ctx, param
         )

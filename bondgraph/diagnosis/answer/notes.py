@@ -23,10 +23,11 @@ def notes_on(
     """Return a sentence for each law that was left aside, taken out or is too wide."""
     notes = [f"Not identifiable: {sentence}." for sentence in after.unidentifiable]
     if options.seconds is not None and any(found.cut_short for found in rounds):
+        kept = " What was worked out is kept: the same work goes on from there."
         notes.append(
             f"The search was ended after {options.seconds / 60:.3g} min, as its time "
-            "limit says; laws that were not tried may explain more or better. What was "
-            "worked out is kept: the same work goes on from there."
+            "limit says; laws that were not tried may explain more or better."
+            + (kept if options.resume else "")
         )
     for found in rounds:
         for rejected in found.rejected:

@@ -245,7 +245,7 @@ def cut_short(
     told = "Time ran out before everything had been tried."
     if accepted(rounds):
         return verdict, f"{statement} {told}"
-    nothing = "Nothing that was tried explains what the model leaves."
+    nothing = "Nothing that was tried surely explains what the model leaves."
     return Verdict.CANNOT_TELL, f"{told} {nothing}"
 
 

@@ -95,7 +95,7 @@ def light(fitted: FittedModel) -> FittedModel:
 def coarse(fitted: FittedModel) -> FittedModel:
     """Return the model fitted with as few steps as tell hypotheses apart."""
     problem, optimum = fitted.problem, fitted.optimum
-    solver = coarser(problem, optimum.theta, optimum.initial)
+    solver = coarser(problem, optimum)
     if solver == problem.solver:
         return fitted
     problem = replace(problem, solver=solver)

@@ -73,17 +73,17 @@ def explicit_steps(problem: FitProblem, optimum: Optimum, fine: Array) -> Solver
     return None
 
 
-def coarser(problem: FitProblem, theta: Array, initial: Array) -> Solver:
+def coarser(problem: FitProblem, optimum: Optimum) -> Solver:
     """Return the problem's solver with as few substeps as decide nothing there.
 
     Of the hypotheses most are tried to be dropped; so fine as the last fit they need
     not be.
     """
-    solver = problem.solver
-    here = linearise_windows(problem, theta, initial)
+    solver, here = problem.solver, optimum.linearisation
     while solver.substeps > 1:
         fewer = replace(solver, substeps=solver.substeps // 2)
-        if not _is_fine(replace(problem, solver=fewer), theta, initial, here):
+        stepped = replace(problem, solver=fewer)
+        if not _is_fine(stepped, optimum.theta, optimum.initial, here):
             break
         solver = fewer
     return solver
