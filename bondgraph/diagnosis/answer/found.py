@@ -34,13 +34,19 @@ def findings_of(
 ) -> tuple[list[Finding], dict[str, Sequence[Judged]]]:
     """Return the findings, and for each element what the data do not tell from it."""
     findings: list[Finding] = []
-    gains = [one.chosen.gain.value for one in accepted if one.chosen is not None]
-    shares = beside_earlier(gains)
     others: dict[str, Sequence[Judged]] = {}
+    made = [one.chosen for one in accepted if one.chosen is not None]
+    shares = beside_earlier([chosen.gain.value for chosen in made])
+    # What was found as well is not what a finding may be instead.
+    there = {(chosen.physics, chosen.place) for chosen in made}
     for found, share in zip(accepted, shares, strict=True):
         chosen = found.chosen
         assert chosen is not None
-        close = alternatives_to(chosen, found.judged, options.rule)
+        close = [
+            j
+            for j in alternatives_to(chosen, found.judged, options.rule)
+            if (j.physics, j.place) not in there - {(chosen.physics, chosen.place)}
+        ]
         hypothesis = chosen.candidate.hypothesis
         same = [j.place for j in close if j.physics == chosen.physics]
         elsewhere = (p for p in (*same, *hypothesis.also) if p != chosen.place)

@@ -65,32 +65,36 @@ def judge_all(
     best = min(worth, key=lambda candidate: candidate.cost)
     chunks = chunk_count(best.fitted)
     before = left_out_errors(bench.base, chunks)
-    first = [_first_twin(i, worth) for i in range(len(worth))]
+    first = [first_twin(i, worth) for i in range(len(worth))]
     kinds = sorted(set(first))
-    trials = [
-        Trial(
-            worth[i].hypothesis,
-            (Start.where_ended(worth[i].fitted),),
-            chunks=chunks,
-        )
-        for i in kinds
-    ]
-    results = bench.run(errors_left_out, trials, "judging", whole=True)
-    per_sample = float(np.sum((noise / bench.base.problem.sigma) ** 2))
-    errors = {
-        i: LeftOutErrors(
-            np.array(result["chunks"]),
-            np.array(result["surprise"]),
-            result["samples"],
-            per_sample * result["samples"],
-        )
-        for i, result in zip(kinds, results, strict=True)
-    }
+    seen = errors_of(bench, [worth[i] for i in kinds], chunks, noise)
+    errors = dict(zip(kinds, seen, strict=True))
     judged = [
         judge(candidate, before, errors[i], tried, rule)
         for i, candidate in zip(first, worth, strict=True)
     ]
     return decide(judged, before, rule, holds)
+
+
+def errors_of(
+    bench: Bench, candidates: Sequence[Candidate], chunks: int, noise: Array
+) -> list[LeftOutErrors]:
+    """Return what candidates do on chunks of data that they were not fitted to."""
+    trials = [
+        Trial(one.hypothesis, (Start.where_ended(one.fitted),), chunks=chunks)
+        for one in candidates
+    ]
+    results = bench.run(errors_left_out, trials, "judging", whole=True)
+    per_sample = float(np.sum((noise / bench.base.problem.sigma) ** 2))
+    return [
+        LeftOutErrors(
+            np.array(result["chunks"]),
+            np.array(result["surprise"]),
+            result["samples"],
+            per_sample * result["samples"],
+        )
+        for result in results
+    ]
 
 
 def decide(
@@ -117,7 +121,7 @@ def decide(
     return Verdicts(tuple(left))
 
 
-def _first_twin(index: int, candidates: Sequence[Candidate]) -> int:
+def first_twin(index: int, candidates: Sequence[Candidate]) -> int:
     """Return the index of the first candidate that predicts the same."""
     own = candidates[index]
     residuals = own.fitted.optimum.linearisation.residuals

@@ -90,7 +90,7 @@ def fit_best(
 
 
 @dataclass(frozen=True, slots=True)
-class _Reached:
+class Reached:
     """What a short fit has come to: the share of the base's cost that it takes away."""
 
     reduction: float
@@ -107,20 +107,18 @@ class _Reached:
 
 def _reached(
     bench: Bench, results: Iterable[tuple[Hypothesis, Plain]]
-) -> list[_Reached]:
+) -> list[Reached]:
     """Return what short fits have come to, the best first, without those refused."""
     cost = bench.few.optimum.cost
     found = [
-        _Reached(1.0 - result["cost"] / cost, hypothesis, result)
+        Reached(1.0 - result["cost"] / cost, hypothesis, result)
         for hypothesis, result in results
         if "refused" not in result
     ]
     return sorted(found, key=lambda one: -one.reduction)
 
 
-def _with_narrower(
-    kept: Sequence[_Reached], others: Sequence[_Reached]
-) -> list[_Reached]:
+def _with_narrower(kept: Sequence[Reached], others: Sequence[Reached]) -> list[Reached]:
     """Return those kept, and of the others what a kept law contains.
 
     Whether the additions of a wider law are needed is seen beside the narrower one.
@@ -133,13 +131,13 @@ def _with_narrower(
     return [*kept, *narrower]
 
 
-def _lead(reached: Sequence[_Reached]) -> float:
+def _lead(reached: Sequence[Reached]) -> float:
     """Return the largest reduction by a law with a name."""
     named = (one.reduction for one in reached if one.hypothesis.physics != CURVE)
     return max(named, default=-np.inf)
 
 
-def _gone_on(bench: Bench, reached: list[_Reached], most: int) -> list[_Reached]:
+def _gone_on(bench: Bench, reached: list[Reached], most: int) -> list[Reached]:
     """Return them again, those gone on that were stopped on their way to the lead.
 
     Of two laws fitted briefly the one that has more to learn is behind, the right one

@@ -20,7 +20,6 @@ from bondgraph.diagnosis.search.candidates import (
     Candidate,
     Promised,
     Rejected,
-    Screened,
     propose_all,
 )
 from bondgraph.diagnosis.search.determined import determined
@@ -59,8 +58,9 @@ class Round:
     ----------
     base
         The model the round started from.
-    tried
-        How many hypotheses were considered.
+    tried, independent
+        How many hypotheses were considered, and to how many independent ones they
+        amount.
     judged, promised, rejected
         Candidates judged on left-out data, what every hypothesis promised, and those
         that could not be tried or determined.
@@ -76,6 +76,7 @@ class Round:
 
     base: FittedModel
     tried: int = 0
+    independent: float = 0.0
     judged: tuple[Judged, ...] = ()
     promised: tuple[Promised, ...] = ()
     rejected: tuple[Rejected, ...] = ()
@@ -142,13 +143,13 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
     bench = Bench.of(base, shop, f"round {setting.number}")
     hypotheses = _considered(setting)
     screened = screen(bench, hypotheses)
-    promising = _promising(screened, options)
+    leading = promising(screened.promised, options)
     order = {one.told_by: i for i, one in enumerate(hypotheses)}
-    fitted = fit_best(bench, promising, HOPELESS, options.judged)
+    fitted = fit_best(bench, leading, HOPELESS, options.judged)
     look = _judged(setting, bench, fitted, order, screened.independent)
     nothing = setting.is_first and look.verdicts.chosen is None
     if nothing and explainable(base, setting.noise) > MUCH:
-        first = {id(one.hypothesis) for one in promising}
+        first = {id(one.hypothesis) for one in leading}
         others = [one for one in screened.promised if id(one.hypothesis) not in first]
         fitted = fit_remembering(bench, others, HOPELESS, options.judged)
         tried = screened.independent + len(others)
@@ -159,6 +160,7 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
     return Round(
         base,
         len(hypotheses),
+        screened.independent,
         tuple(kept),
         screened.promised,
         (*screened.rejected, *look.rejected),
@@ -227,9 +229,7 @@ class _Look:
         return _Look(verdicts, (*self.rejected, *other.rejected))
 
 
-def _promising(screened: Screened, options: Options) -> list[Promised]:
+def promising(promised: Sequence[Promised], options: Options) -> list[Promised]:
     """Return the hypotheses worth a fit, those that promise most first."""
     worth = options.rule.materiality / 4
-    return [promised for promised in screened.promised if promised.reduction >= worth][
-        : options.fitted
-    ]
+    return [one for one in promised if one.reduction >= worth][: options.fitted]

@@ -18,9 +18,15 @@ from bondgraph.diagnosis.search.between_samples import (
     simulated_as,
 )
 from bondgraph.diagnosis.search.beyond_noise import left_beside, within
-from bondgraph.diagnosis.search.one_round import Round, Setting, one_round
+from bondgraph.diagnosis.search.one_round import (
+    Round,
+    Setting,
+    chosen_in,
+    one_round,
+)
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.removal import pruned, swallowed
+from bondgraph.diagnosis.search.together import two_rounds
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import Hypothesis
@@ -60,24 +66,27 @@ def search(
         much = left_beside(base, current, noise) > options.rule.materiality
         setting = Setting(current, recordings, noise, options, number, added, much)
         found = one_round(setting, shop)
-        if found.chosen is None:
-            return [*rounds, found]
-        candidate = found.chosen.candidate
-        added = (*added, candidate.hypothesis)
+        done = shop.limit.undone
+        made = (found,) if found.chosen else two_rounds(setting, found, shop)
+        if not made:
+            short = found.cut_short or shop.limit.undone > done
+            return [*rounds, replace(found, cut_short=short)]
+        candidates = chosen_in(made)
+        added = (*added, *(candidate.hypothesis for candidate in candidates))
         shop.progress(f"round {number}: trying without what was added before")
-        left = pruned(base, current, candidate.fitted, added, options.rule)
+        left = pruned(base, current, candidates[-1].fitted, added, options.rule)
         if rounds:
             lost = swallowed(current, left.fitted, left.kept[:-1], authored)
             if lost is not None:
                 return [*rounds, _given_up(found, lost)]
-        rounds.append(replace(found, removed=left.removed))
+        rounds += [*made[:-1], replace(made[-1], removed=left.removed)]
         current, added = finely_stepped(left.fitted, noise), left.kept
         if options.either_hold:
             current = held_as_fits(current)
         now = current.problem
         if (now.solver, now.hold) != (base.problem.solver, base.problem.hold):
             base = simulated_as(base, now.solver, now.hold)
-        gains.append(found.chosen.gain.value)
+        gains += [one.chosen.gain.value for one in made if one.chosen is not None]
         if beside_earlier(gains)[-1] < MERE_SHAPE:
             return [*rounds, Round(current)]
 

@@ -1,0 +1,217 @@
+"""Pairs: the laws that help most alone are fitted two by two, from either side.
+
+What one law explains can be hidden by the lack of another: an overflow behind an outlet
+of the wrong form, dry friction at one of two drives. A fit that begins where one of the
+two has bent all other numbers may not find the way back; so each pair is begun from
+both, and with the numbers of either.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import permutations
+
+from bondgraph.diagnosis.evidence.judging import first_twin
+from bondgraph.diagnosis.search.bench import Bench
+from bondgraph.diagnosis.search.candidates import CURVE, Candidate, Promised
+from bondgraph.diagnosis.search.fits import Reached, fit_best
+from bondgraph.diagnosis.search.trying import (
+    Start,
+    Trial,
+    fit_briefly,
+    fit_fully,
+    fit_on,
+)
+from bondgraph.diagnosis.work.journal import Plain
+from bondgraph.diagnosis.work.workers import Work
+
+SINGLES = 8
+"""So many laws are paired: those that help most alone."""
+
+HELPS = 0.1
+"""A law with less than this share of the best reduction is not paired."""
+
+ON_THE_WAY = 0.5
+"""Of the best short fit's reduction: pairs that have come so far go on."""
+
+MOST = 16
+"""So many pairs go on at most."""
+
+HOPELESS = 0.75
+"""A pair with less than this share of the best one's reduction is not fitted fully."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Two laws: each fitted alone, and the second fitted beside the first.
+
+    Parameters
+    ----------
+    first, second
+        As fitted alone, to the base model.
+    both
+        The second on the model with the first.
+    """
+
+    first: Candidate
+    second: Candidate
+    both: Candidate
+
+    @property
+    def complexity(self) -> int:
+        """How many fitted parameters the two add together."""
+        return self.first.complexity + self.both.complexity
+
+    def without(self, one: Candidate) -> Candidate:
+        """Return the other of the two, as fitted alone."""
+        return self.second if one is self.first else self.first
+
+
+def singles_of(bench: Bench, promising: Sequence[Promised]) -> list[Candidate]:
+    """Return the laws to be paired: of those that say the same, the first alone."""
+    named = [
+        one
+        for one in promising
+        if one.hypothesis.physics != CURVE and not one.hypothesis.is_slip
+    ]
+    fitted = fit_best(bench, named, HELPS, 2 * SINGLES)
+    fitted.sort(key=lambda candidate: candidate.cost)
+    kinds: dict[tuple[str, str], Candidate] = {}
+    for i, one in enumerate(fitted):
+        if first_twin(i, fitted) == i and one.cost < bench.base.optimum.cost:
+            kinds.setdefault((one.hypothesis.physics, one.hypothesis.place), one)
+    return list(kinds.values())[:SINGLES]
+
+
+@dataclass(frozen=True, slots=True)
+class Pairing:
+    """Laws that help alone, and what is fitted of them two by two."""
+
+    bench: Bench
+    singles: tuple[Candidate, ...]
+    beside: Mapping[int, Bench]
+
+    @classmethod
+    def of(cls, bench: Bench, promising: Sequence[Promised]) -> "Pairing":
+        """Return the pairing of the laws that promise most."""
+        singles = singles_of(bench, promising)
+        name = f"{bench.name}, two at once"
+        beside = {id(one): Bench.of(one.fitted, bench.shop, name) for one in singles}
+        return cls(bench, tuple(singles), beside)
+
+    def best(self, most: int) -> list[Pair]:
+        """Return the pairs that leave least, `most` at most, fitted to the end."""
+        begun = [
+            start
+            for one, other in permutations(self.singles, 2)
+            for start in self._begun(one, other, ({}, other.fitted.values))
+        ]
+        cost = self.bench.few.optimum.cost
+        longer = [
+            better
+            for start in _leading(begun, cost, ON_THE_WAY)[:MOST]
+            for better in self._gone_on(start, fit_on, few=True)
+        ]
+        return self._ended(_leading(longer, cost, HOPELESS)[:most])
+
+    def exchanged(self, pair: Pair) -> list[Pair]:
+        """Return pairs with another law in place of either, from where it ended."""
+        begun = [
+            start
+            for kept in (pair.first, pair.second)
+            for other in self.singles
+            if other is not pair.first and other is not pair.second
+            for start in self._begun(kept, other, (pair.both.fitted.values,))
+        ]
+        return self._ended(_leading(begun, self.bench.few.optimum.cost, HOPELESS))
+
+    def _begun(
+        self, one: Candidate, other: Candidate, known: Sequence[Mapping[str, float]]
+    ) -> list["_Begun"]:
+        """Return short fits of the other beside the one, from known values."""
+        if _one_law(one, other):
+            return []
+        law = other.hypothesis
+        trials = [
+            Trial(law, tuple(Start({**own, **values}) for own in law.starts))
+            for values in known
+        ]
+        results = self.beside[id(one)].run(fit_briefly, trials, "short fits", few=True)
+        return _kept(one, other, trials, results)
+
+    def _gone_on(self, start: "_Begun", work: Work, *, few: bool) -> list["_Begun"]:
+        """Return a fit further on; nothing where it is refused."""
+        bench = self.beside[id(start.first)]
+        same = few or bench.few.problem.shots is bench.base.problem.shots
+        finer = bench.base.problem.solver.substeps // bench.few.problem.solver.substeps
+        reached = Reached(0.0, start.second.hypothesis, start.result)
+        trials = [reached.as_start(with_states=same, finer=1 if few else finer)]
+        results = bench.run(work, trials, "longer fits" if few else "fits", few=few)
+        return _kept(start.first, start.second, trials, results)
+
+    def _ended(self, begun: Sequence["_Begun"]) -> list[Pair]:
+        """Return the pairs, fitted to the end on all data, the best first."""
+        found = [
+            Pair(done.first, done.second, both)
+            for start in begun
+            for done in self._gone_on(start, fit_fully, few=False)
+            for both in self.beside[id(done.first)].candidates(
+                [done.trial], [done.result]
+            )
+        ]
+        return sorted(found, key=lambda pair: pair.both.cost)
+
+
+def _one_law(one: Candidate, other: Candidate) -> bool:
+    """Return whether both are forms of one law at one place."""
+    a, b = one.hypothesis, other.hypothesis
+    same = a.physics == b.physics or a.contains(b) or b.contains(a)
+    return a.place == b.place and same
+
+
+@dataclass(frozen=True, slots=True)
+class _Begun:
+    """A fit of the second law on the model with the first, as far as it has come."""
+
+    first: Candidate
+    second: Candidate
+    trial: Trial
+    result: Plain
+
+    @property
+    def cost(self) -> float:
+        """What it leaves of the data that it was fitted to."""
+        return float(self.result["cost"])
+
+
+def _kept(
+    first: Candidate,
+    second: Candidate,
+    trials: Sequence[Trial],
+    results: Sequence[Plain],
+) -> list[_Begun]:
+    """Return what fits of a second law beside a first have come to."""
+    return [
+        _Begun(first, second, trial, result)
+        for trial, result in zip(trials, results, strict=True)
+        if "refused" not in result
+    ]
+
+
+def _leading(begun: Sequence[_Begun], cost: float, share: float) -> list[_Begun]:
+    """Return the best fit of every pair, the best first, as far as they lead.
+
+    Parameters
+    ----------
+    cost
+        Of the model with neither law, on the same data.
+    share
+        Of the best reduction of this cost, that a pair must reach.
+    """
+    best: dict[frozenset[int], _Begun] = {}
+    for one in sorted(begun, key=lambda one: one.cost):
+        best.setdefault(frozenset((id(one.first), id(one.second))), one)
+    ranked = list(best.values())
+    if not ranked:
+        return []
+    lead = cost - ranked[0].cost
+    return [one for one in ranked if cost - one.cost >= share * lead]
