@@ -8,7 +8,7 @@ both, and with the numbers of either.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import permutations
+from itertools import combinations
 
 from bondgraph.diagnosis.evidence.judging import first_twin
 from bondgraph.diagnosis.search.bench import Bench
@@ -24,7 +24,7 @@ from bondgraph.diagnosis.search.trying import (
 from bondgraph.diagnosis.work.journal import Plain
 from bondgraph.diagnosis.work.workers import Work
 
-SINGLES = 8
+SINGLES = 6
 """So many laws are paired: those that help most alone."""
 
 HELPS = 0.1
@@ -102,8 +102,8 @@ class Pairing:
         """Return the pairs that leave least, `most` at most, fitted to the end."""
         begun = [
             start
-            for one, other in permutations(self.singles, 2)
-            for start in self._begun(one, other, ({}, other.fitted.values))
+            for one, other in combinations(self.singles, 2)
+            for start in self._begun(one, other, _from_either(one, other))
         ]
         cost = self.bench.few.optimum.cost
         longer = [
@@ -120,21 +120,17 @@ class Pairing:
             for kept in (pair.first, pair.second)
             for other in self.singles
             if other is not pair.first and other is not pair.second
-            for start in self._begun(kept, other, (pair.both.fitted.values,))
+            for start in self._begun(kept, other, _from_either(pair.both, other)[:1])
         ]
         return self._ended(_leading(begun, self.bench.few.optimum.cost, HOPELESS))
 
     def _begun(
-        self, one: Candidate, other: Candidate, known: Sequence[Mapping[str, float]]
+        self, one: Candidate, other: Candidate, starts: Sequence[tuple[Start, ...]]
     ) -> list["_Begun"]:
-        """Return short fits of the other beside the one, from known values."""
+        """Return short fits of the other beside the one."""
         if _one_law(one, other):
             return []
-        law = other.hypothesis
-        trials = [
-            Trial(law, tuple(Start({**own, **values}) for own in law.starts))
-            for values in known
-        ]
+        trials = [Trial(other.hypothesis, some) for some in starts]
         results = self.beside[id(one)].run(fit_briefly, trials, "short fits", few=True)
         return _kept(one, other, trials, results)
 
@@ -159,6 +155,14 @@ class Pairing:
             )
         ]
         return sorted(found, key=lambda pair: pair.both.cost)
+
+
+def _from_either(one: Candidate, other: Candidate) -> list[tuple[Start, ...]]:
+    """Return starts where one has ended, with the other's own, and the reverse."""
+    return [
+        tuple(Start({**own, **known.fitted.values}) for own in law.hypothesis.starts)
+        for known, law in ((one, other), (other, one))
+    ]
 
 
 def _one_law(one: Candidate, other: Candidate) -> bool:
