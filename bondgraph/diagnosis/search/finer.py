@@ -1,8 +1,8 @@
-"""A curve without a name, drawn as finely as the data tell.
+"""A curve without a name, drawn as smooth as the data tell.
 
 Few knots are enough to find the place, and leave little freedom to mislead. Once a
-curve has been chosen its stretches are divided as long as that predicts left-out data
-better.
+curve has been chosen it is drawn finely, smooth first and then rougher and rougher as
+long as that predicts left-out data better.
 """
 
 from dataclasses import replace
@@ -10,79 +10,79 @@ from dataclasses import replace
 import numpy as np
 
 from bondgraph.diagnosis.evidence.decision import Judged
-from bondgraph.diagnosis.evidence.gain import compare
 from bondgraph.diagnosis.evidence.left_out import left_out_errors
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import CURVE, Candidate
 from bondgraph.diagnosis.search.trying import Start, Trial, fit_fully
-from bondgraph.fitting.uncertainty import uncertainty
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.places.everywhere import all_places
-from bondgraph.physics.unknown import UnknownRelation
+from bondgraph.physics.unknown import Smooth, UnknownRelation
 
-PIECES = (2, 4, 8)
-"""Into how many each stretch of the first curve is divided, one after the other."""
+PIECES = 4
+"""Into how many each stretch of the first curve is divided."""
+
+ROUGHNESS = (1.0, 3.0, 10.0, 30.0, 100.0)
+"""How rough a curve may be, in heights per range, one after the other."""
 
 
 def as_fine_as_told(bench: Bench, chosen: Judged) -> Judged:
-    """Return the chosen candidate, a curve divided while left-out data gain by it.
+    """Return the chosen candidate; a curve as the smooth one that predicts best.
 
-    A division counts by more than the standard error of what it gains, and where the
-    data tell every height of it.
+    Left-out data decide how smooth, by the mean log error of the chunks: one chunk that
+    alone reaches an end of the curve would decide a sum. Where no smooth curve predicts
+    them as well as the first one, that stays.
     """
     if chosen.physics != CURVE:
         return chosen
-    best, own = chosen.candidate, chosen.candidate.hypothesis
+    first = start = chosen.candidate
     chunks = len(chosen.errors.chunks)
-    errors = left_out_errors(best.fitted, chunks)
-    for pieces in PIECES:
-        finer = _finer(bench, own, best, pieces)
-        if finer is None or not _told(finer, best):
+    best, least = first, _left(first, chunks)
+    for roughness in ROUGHNESS:
+        drawn = _drawn(bench, first, start, roughness)
+        if drawn is None:
+            continue
+        left = _left(drawn, chunks)
+        if left > least and best is not first:
             break
-        after = left_out_errors(finer.fitted, chunks)
-        gain = compare(errors, after)
-        if not gain.value > gain.std:
-            break
-        best, errors = finer, after
+        if left <= least:
+            best, least = drawn, left
+        start = drawn
     return replace(chosen, candidate=best)
 
 
-def _told(curve: Candidate, coarser: Candidate) -> bool:
-    """Return whether each height is known to better than the coarser curve's range."""
-    fitted, own = curve.fitted, curve.hypothesis.strengths
-    problem = fitted.problem
-    names = problem.free_names
-    stds = uncertainty(problem, fitted.optimum).std[np.isin(names, own)]
-    heights = [coarser.fitted.values[name] for name in coarser.hypothesis.strengths]
-    return bool(np.all(stds <= np.ptp(heights)))
+def _left(curve: Candidate, chunks: int) -> float:
+    """Return the mean log of the squared errors on left-out chunks."""
+    errors = left_out_errors(curve.fitted, chunks).chunks
+    return float(np.mean(np.log(np.maximum(errors, 1e-12 * errors.max()))))
 
 
-def _finer(
-    bench: Bench, first: Hypothesis, coarse: Candidate, pieces: int
+def _drawn(
+    bench: Bench, first: Candidate, start: Candidate, roughness: float
 ) -> Candidate | None:
-    """Return the curve with its stretches divided, fitted from the coarser one."""
-    scales = measure_scales(bench.base)
+    """Return the first curve drawn finely, fitted from where another fit has ended."""
+    values = first.fitted.values
+    heights = tuple(values[name] for name in first.hypothesis.strengths)
+    physics = UnknownRelation(Smooth(heights, PIECES, roughness))
+    hypothesis = _proposed(bench, first.hypothesis, physics)
+    if hypothesis is None:
+        return None
+    begin = Start.where_ended(start.fitted)
+    known = {**hypothesis.starts[0], **begin.values}
+    trial = Trial(hypothesis, (replace(begin, values=known),))
+    found = bench.candidates([trial], bench.run(fit_fully, [trial], "a smooth curve"))
+    return found[0] if found else None
+
+
+def _proposed(
+    bench: Bench, first: Hypothesis, physics: UnknownRelation
+) -> Hypothesis | None:
+    """Return the same curve as another form of the physics proposes it."""
     proposed = [
         hypothesis
-        for place in all_places(bench.base.graph, scales)
+        for place in all_places(bench.base.graph, measure_scales(bench.base))
         if place.name == first.place
-        for hypothesis in UnknownRelation(pieces).propose(place)
+        for hypothesis in physics.propose(place)
         if hypothesis.words == first.words
     ]
-    if len(proposed) != 1:
-        return None
-    (hypothesis,) = proposed
-    old, new = coarse.hypothesis.strengths, hypothesis.strengths
-    heights = [coarse.fitted.values[name] for name in old]
-    where = np.linspace(0.0, len(old) - 1.0, len(new))
-    between = np.interp(where, np.arange(len(old)), heights)
-    values = {
-        **coarse.fitted.values,
-        **dict(zip(new, map(float, between), strict=True)),
-    }
-    fitted = coarse.fitted
-    start = Start(values, fitted.optimum.initial, fitted.problem.solver)
-    trial = Trial(hypothesis, (start,))
-    found = bench.candidates([trial], bench.run(fit_fully, [trial], "a finer curve"))
-    return found[0] if found else None
+    return proposed[0] if len(proposed) == 1 else None
