@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 import sympy
 
 from bondgraph import BondGraph, C, I, R, Se
@@ -10,7 +11,7 @@ from bondgraph.diagnosis.search.removal import gone_from
 from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
-from bondgraph.physics.unknown import UnknownRelation
+from bondgraph.physics.unknown import Smooth, UnknownRelation
 from bondgraph.structure.parameters import Parameter
 
 
@@ -100,31 +101,43 @@ def test_no_law_contains_itself_and_no_two_contain_each_other():
     assert all(len(a.parameters) > len(b.parameters) for a, b in forms)
 
 
-def test_a_divided_curve_can_be_the_undivided_one():
-    coarse, fine = (
-        {
-            (h.place, h.words): h
-            for place in all_places(cart(), Scales())
-            for h in UnknownRelation(pieces).propose(place)
-        }
-        for pieces in (1, 4)
-    )
-    assert coarse.keys() == fine.keys()
+def curves(smooth=None):
+    return {
+        (h.place, h.words): h
+        for place in all_places(cart(), Scales())
+        for h in UnknownRelation(smooth).propose(place)
+    }
+
+
+def drawn(hypothesis, values):
+    """Return the law within the range visited, with such values of what is fitted."""
+    known = {p.name: p.value for p in hypothesis.edit.parameters if p.exact}
+    known |= values
+    symbols = sorted(hypothesis.law.free_symbols, key=str)
+    (x,) = [s for s in symbols if s.name not in known][:1]
+    rest = {s: known.get(s.name, 1.0) for s in symbols if s is not x}
+    curve = sympy.lambdify(x, hypothesis.law.subs(rest))
+    return [curve(at) for at in np.linspace(-0.49, 0.49, 41)]
+
+
+def test_a_smooth_curve_begins_as_the_first_one():
     draw = np.random.default_rng(1)
-    for key, first in coarse.items():
-        second = fine[key]
-        count, more = len(first.strengths), len(second.strengths)
-        assert more == 4 * (count - 1) + 1
+    for key, first in curves().items():
+        count = len(first.strengths)
         heights = draw.normal(size=count)
-        where = np.linspace(0.0, count - 1.0, more)
-        between = np.interp(where, np.arange(count), heights)
-        drawn = []
-        for hypothesis, values in ((first, heights), (second, between)):
-            known = dict(zip(hypothesis.strengths, values, strict=True))
-            known |= {p.name: p.value for p in hypothesis.edit.parameters if p.exact}
-            symbols = sorted(hypothesis.law.free_symbols, key=str)
-            (x,) = [s for s in symbols if s.name not in known][:1]
-            rest = {s: known.get(s.name, 1.0) for s in symbols if s is not x}
-            curve = sympy.lambdify(x, hypothesis.law.subs(rest))
-            drawn.append([curve(at) for at in np.linspace(-2.0, 2.0, 41)])
-        assert np.allclose(drawn[0], drawn[1], atol=1e-9), key
+        second = curves(Smooth(tuple(heights), 4, 1.0))[key]
+        # Level and slope, and a bend at every knot but the ends.
+        assert len(second.strengths) == 4 * (count - 1) + 1
+        before = drawn(first, dict(zip(first.strengths, heights, strict=True)))
+        assert np.allclose(before, drawn(second, second.starts[0]), atol=1e-9), key
+
+
+def test_a_rougher_curve_may_bend_more_and_is_no_larger():
+    heights = (0.0, 1.0, 2.0, 2.0, 1.0, 0.0)
+    for key, smooth in curves(Smooth(heights, 4, 1.0)).items():
+        rough = curves(Smooth(heights, 4, 10.0))[key]
+        for one, other in zip(
+            smooth.edit.parameters, rough.edit.parameters, strict=True
+        ):
+            times = 10.0 if "bend" in one.name else 1.0
+            assert one.exact or other.std == pytest.approx(times * one.std)
