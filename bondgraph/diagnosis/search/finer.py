@@ -19,7 +19,7 @@ from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.unknown import Smooth, UnknownRelation
 
-PIECES = 4
+PIECES = 8
 """Into how many each stretch of the first curve is divided."""
 
 ROUGHNESS = (1.0, 3.0, 10.0, 30.0, 100.0)
