@@ -12,6 +12,7 @@ from physics_machines import MACHINES, outputs, scales_of
 from bondgraph import FinishedGraph, derive
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.library import LIBRARY
+from bondgraph.physics.orifice import Overflow
 from bondgraph.physics.places.channels import ChannelPlace
 from bondgraph.physics.places.everywhere import all_places, machine_junctions
 from bondgraph.physics.places.junction import ZeroJunctionPlace
@@ -317,3 +318,18 @@ def test_every_kind_of_hypothesis_can_be_solved_for():
     for number in range(0, len(CASES), 8):
         equations = derive(edited(number))
         assert len(equations.states) == len(equations.rates)
+
+
+@pytest.mark.parametrize(
+    ("reached", "bottom"), [((2.0, 9.0), 2.0), ((-3.0, 5.0), 0.0), ((-8.0, -2.0), -8.0)]
+)
+def test_an_edge_is_nowhere_below_all_that_was_there(reached, bottom):
+    # It would be a leak or a bias, and bend the law that is really missing.
+    scales = Scales({"effort(upper)": 4.0}, {"effort(upper)": reached})
+    graph = MACHINES["two_tanks"]
+    (upper,) = (p for p in all_places(graph, scales) if p.name == "upper")
+    for hypothesis in Overflow().propose(upper):
+        edge = next(p for p in hypothesis.edit.parameters if "level" in p.name)
+        assert edge.bounds[0] == bottom
+        starts = [start["overflow_level_upper"] for start in hypothesis.starts]
+        assert all(bottom < level < reached[1] for level in starts)
