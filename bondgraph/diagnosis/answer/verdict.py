@@ -191,7 +191,8 @@ def worse_held_out(
 ) -> tuple[Verdict, str]:
     """Return the verdict where the improved model predicts what was kept back worse."""
     before, after = held_out.before.nrmse, held_out.after.nrmse
-    if verdict is not Verdict.PHYSICS_MISSING or not after > SAME * before:
+    told_something = verdict in (Verdict.PHYSICS_MISSING, Verdict.UNEXPLAINED)
+    if not told_something or not after > SAME * before:
         return verdict, statement
     told = (
         f"{statement} But on the held-out recordings the improved model is worse than "
