@@ -17,6 +17,7 @@ from bondgraph.physics.places.channels import ChannelPlace
 from bondgraph.physics.places.everywhere import all_places, machine_junctions
 from bondgraph.physics.places.junction import ZeroJunctionPlace
 from bondgraph.physics.places.scales import Scales
+from bondgraph.physics.thermal import TemperatureDependentResistance
 from bondgraph.structure.edits import (
     ConnectJunctions,
     InsertElement,
@@ -333,3 +334,14 @@ def test_an_edge_is_nowhere_below_all_that_was_there(reached, bottom):
         assert edge.bounds[0] == bottom
         starts = [start["overflow_level_upper"] for start in hypothesis.starts]
         assert all(bottom < level < reached[1] for level in starts)
+
+
+def test_only_of_a_coil_it_is_said_that_it_warms():
+    # A filter that clogs changes alike, and no temperature is seen.
+    said = {
+        (place.domain.name == "electrical", h.words.endswith("as it warms"))
+        for _, place, physics, h in CASES
+        if isinstance(physics, TemperatureDependentResistance)
+        and place.domain.name != "thermal"
+    }
+    assert said == {(True, True), (False, False)}
