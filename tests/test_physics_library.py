@@ -17,6 +17,7 @@ from bondgraph.physics.places.channels import ChannelPlace
 from bondgraph.physics.places.everywhere import all_places, machine_junctions
 from bondgraph.physics.places.junction import ZeroJunctionPlace
 from bondgraph.physics.places.scales import Scales
+from bondgraph.physics.relaxation import StoreBehind
 from bondgraph.physics.thermal import TemperatureDependentResistance
 from bondgraph.structure.edits import (
     ConnectJunctions,
@@ -345,3 +346,13 @@ def test_only_of_a_coil_it_is_said_that_it_warms():
         and place.domain.name != "thermal"
     }
     assert said == {(True, True), (False, False)}
+
+
+@pytest.mark.parametrize("samples", [20, 5000])
+def test_a_second_store_is_slower_than_an_error_of_the_clock(samples):
+    scales = Scales(interval=0.1, duration=0.1 * samples)
+    for place in all_places(MACHINES["two_tanks"], scales):
+        for hypothesis in StoreBehind().propose(place):
+            (time,) = (p for p in hypothesis.edit.parameters if p.unit == "s")
+            assert time.bounds[0] == pytest.approx(0.5)
+            assert all(start[time.name] > 0.5 for start in hypothesis.starts)

@@ -38,6 +38,9 @@ SHARES = (0.03, 0.1, 0.01)
 that keeps its promise there tries no other.
 """
 
+FASTEST = 5.0
+"""Samples: what fills faster is not told from an error of the clock."""
+
 
 class StoreBehind(AbstractPhysics):
     """A second store behind a resistance: it fills and empties in a time of its own."""
@@ -119,5 +122,6 @@ class StoreBehind(AbstractPhysics):
 
     @staticmethod
     def _time(place: JunctionPlace) -> Coefficient:
-        times = tuple(share * place.scales.stretch for share in SHARES)
-        return place.shape("fill_time", "s", times * 2, low=place.scales.step)
+        low = FASTEST * place.scales.step
+        times = tuple(max(share * place.scales.stretch, 2 * low) for share in SHARES)
+        return place.shape("fill_time", "s", times * 2, low=low)
