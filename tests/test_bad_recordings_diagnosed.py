@@ -13,6 +13,7 @@ from scipy.linalg import expm
 
 from bondgraph import BondGraph, C, I, R, Se
 from bondgraph.diagnosis.diagnose import diagnose
+from bondgraph.diagnosis.misreadings import without_misreadings
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.errors import RecordingError
@@ -248,3 +249,16 @@ def test_misread_samples_are_set_aside_and_told():
     notes = [note for note in diagnosis.notes if "misreading" in note]
     assert len(notes) == 2  # one for each recording
     assert all("velocity" in note and "50" in note for note in notes)
+
+
+def test_misread_samples_are_set_aside_beside_missing_ones_too():
+    def misread(values: Array) -> Array:
+        return np.where(np.arange(COUNT) == 50, 9.99, values)
+
+    run = recorded(1, "velocity", misread)
+    outputs = run.outputs.copy()
+    outputs[[49, 200], 1] = np.nan
+    cleared = without_misreadings([replace(run, outputs=outputs)])
+    missing = np.isnan(cleared.recordings[0].outputs[:, 1])
+    np.testing.assert_array_equal(np.flatnonzero(missing), [49, 50, 200])
+    assert "velocity of run 1 jumps away and back at sample 50 " in cleared.notes[0]

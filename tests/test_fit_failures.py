@@ -8,16 +8,23 @@ import sympy
 
 from bondgraph import (
     BondGraph,
+    C,
     FitSettings,
     I,
     R,
     Recording,
     Se,
+    Sf,
+    WholeRecordings,
     Windows,
     bind_to,
+    e,
     f,
     fit,
 )
+from bondgraph.diagnosis.search import horizons
+from bondgraph.diagnosis.search.options import Options
+from bondgraph.fitting.estimate import fit_model
 from bondgraph.fitting.horizon import cut
 from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.fitting.loss import Huber
@@ -25,6 +32,7 @@ from bondgraph.fitting.noise import AutoregressiveNoise
 from bondgraph.fitting.posing import pose, prepare
 from bondgraph.fitting.problem import linearise_windows
 from bondgraph.fitting.result import FitStatus
+from bondgraph.simulation.solvers import Hold, RungeKutta4
 
 # dv/dt = (force + a v³) / m leaves every bound in finite time once v is large.
 MASS, GROWTH = 2.0, 0.5
@@ -84,3 +92,41 @@ def test_a_model_that_never_runs_says_so():
         graph, [recording(graph)], settings=FitSettings(noise=AutoregressiveNoise())
     )
     assert result.status is FitStatus.SIMULATION_FAILED
+
+
+@pytest.mark.parametrize("horizon", [WholeRecordings(), Windows(40)])
+def test_a_tank_that_may_be_empty_is_fitted_by_an_explicit_method_too(horizon):
+    # The root has no finite slope at zero, where the search for states begins.
+    outlet, area, step = 0.3, 2.0, 0.1
+    g = BondGraph("tank", domain="hydraulic")
+    law = sympy.Symbol("outlet") * sympy.sqrt(e)
+    g.zero("tank", Sf("inflow"), C("area"), R("hole", law=law))
+    g.measure("level", effort="tank")
+    g.parameter("outlet", 0.25, bounds=(0.0, 10.0))
+    g.parameter("area", 1.5, "m^3/Pa", bounds=(0.1, 10.0))
+    random = np.random.default_rng(3)
+    inflow = np.repeat(random.uniform(0.2, 0.6, 20), 20)
+    level, levels = 1.4, []
+    for flow in inflow:
+        levels.append(level)
+        for _ in range(50):
+            level += step / 50 / area * (flow - outlet * np.sqrt(level))
+    levels = np.array(levels) + 1e-3 * random.normal(size=len(levels))
+    channels = {"inflow": (inflow, "m^3/s"), "level": (levels, "Pa")}
+    graph = g.finish()
+    run = bind_to(graph, Recording.from_arrays("run", step * np.arange(400), channels))
+    settings = FitSettings(horizon=horizon, solver=RungeKutta4(), hold=Hold.ZERO)
+    found = fit(graph, [run], settings=settings)
+    assert found.estimate("outlet").value == pytest.approx(outlet, rel=0.02)
+    assert found.estimate("area").value == pytest.approx(area, rel=0.02)
+
+
+def test_a_refit_that_fails_does_not_replace_the_fit_of_a_search(monkeypatch):
+    # Else all that the search has found would be told as not determined.
+    graph = runaway()
+    settings = FitSettings(horizon=Windows(50))
+    run = recording(graph)
+    found = fit_model(graph, [run], settings)
+    lost = replace(found, optimum=replace(found.optimum, cost=np.inf))
+    monkeypatch.setattr(horizons, "fit_model", lambda *_: lost)
+    assert horizons.sharpened(found, [run], Options(settings=settings)) is found

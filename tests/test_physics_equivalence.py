@@ -8,17 +8,22 @@ from bondgraph import BondGraph, C, FinishedGraph, I, R, Se, Sf
 from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
+from bondgraph.physics.relaxation import StoreBehind
 from bondgraph.structure.domains import DOMAINS
 from bondgraph.structure.elements import Compliance, Inertance, Resistance
 from bondgraph.structure.signals import Signal
 
 
 def words_at(graph: FinishedGraph) -> set[str]:
-    """Return what the library proposes for a graph, at any place."""
+    """Return what the library proposes for a graph, at any place.
+
+    A store behind a resistance has the word of a store, and is no twin of one.
+    """
+    plain = [physics for physics in LIBRARY if not isinstance(physics, StoreBehind)]
     return {
         hypothesis.physics
         for place in all_places(graph, Scales())
-        for physics in LIBRARY
+        for physics in plain
         for hypothesis in physics.propose(place)
     }
 

@@ -12,10 +12,13 @@ from physics_machines import MACHINES, outputs, scales_of
 from bondgraph import FinishedGraph, derive
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.library import LIBRARY
+from bondgraph.physics.orifice import Overflow
 from bondgraph.physics.places.channels import ChannelPlace
 from bondgraph.physics.places.everywhere import all_places, machine_junctions
 from bondgraph.physics.places.junction import ZeroJunctionPlace
 from bondgraph.physics.places.scales import Scales
+from bondgraph.physics.relaxation import StoreBehind
+from bondgraph.physics.thermal import TemperatureDependentResistance
 from bondgraph.structure.edits import (
     ConnectJunctions,
     InsertElement,
@@ -317,3 +320,39 @@ def test_every_kind_of_hypothesis_can_be_solved_for():
     for number in range(0, len(CASES), 8):
         equations = derive(edited(number))
         assert len(equations.states) == len(equations.rates)
+
+
+@pytest.mark.parametrize(
+    ("reached", "bottom"), [((2.0, 9.0), 2.0), ((-3.0, 5.0), 0.0), ((-8.0, -2.0), -8.0)]
+)
+def test_an_edge_is_nowhere_below_all_that_was_there(reached, bottom):
+    # It would be a leak or a bias, and bend the law that is really missing.
+    scales = Scales({"effort(upper)": 4.0}, {"effort(upper)": reached})
+    graph = MACHINES["two_tanks"]
+    (upper,) = (p for p in all_places(graph, scales) if p.name == "upper")
+    for hypothesis in Overflow().propose(upper):
+        edge = next(p for p in hypothesis.edit.parameters if "level" in p.name)
+        assert edge.bounds[0] == bottom
+        starts = [start["overflow_level_upper"] for start in hypothesis.starts]
+        assert all(bottom < level < reached[1] for level in starts)
+
+
+def test_only_of_a_coil_it_is_said_that_it_warms():
+    # A filter that clogs changes alike, and no temperature is seen.
+    said = {
+        (place.domain.name == "electrical", h.words.endswith("as it warms"))
+        for _, place, physics, h in CASES
+        if isinstance(physics, TemperatureDependentResistance)
+        and place.domain.name != "thermal"
+    }
+    assert said == {(True, True), (False, False)}
+
+
+@pytest.mark.parametrize("samples", [20, 5000])
+def test_a_second_store_is_slower_than_an_error_of_the_clock(samples):
+    scales = Scales(interval=0.1, duration=0.1 * samples)
+    for place in all_places(MACHINES["two_tanks"], scales):
+        for hypothesis in StoreBehind().propose(place):
+            (time,) = (p for p in hypothesis.edit.parameters if p.unit == "s")
+            assert time.bounds[0] == pytest.approx(0.5)
+            assert all(start[time.name] > 0.5 for start in hypothesis.starts)

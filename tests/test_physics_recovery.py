@@ -82,6 +82,12 @@ CASES = [
     Case("two_masses", "HardeningSpring", "spring", {"cubic_stiffness": 2e4}),
     Case("slider", "AddedInertia", "carriage", {"added_inertia": 0.5}),
     Case("two_tanks", "AddedCompliance", "lower", {"added_compliance": 0.1}),
+    Case(
+        "two_tanks", "StoreBehind", "lower", {"second_capacity": 0.3, "fill_time": 0.4}
+    ),
+    Case(
+        "dc_drive", "StoreBehind", "winding", {"slow_resistance": 0.5, "fill_time": 0.3}
+    ),
     Case("two_tanks", "Leak", "upper", {"leak": 0.1}),
     Case("heaters", "Leak", "block1", {"leak_to_block2_from": 0.01}, 1),
     Case("two_masses", "Slip", "coupling", {"leak": 0.05}),

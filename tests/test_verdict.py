@@ -117,3 +117,13 @@ def test_what_makes_held_out_data_worse_is_not_the_cause(after, verdict, told):
     answer, statement = worse_held_out(Verdict.PHYSICS_MISSING, "Friction.", shown)
     assert answer is verdict
     assert ("does not carry over" in statement) == told
+
+
+def test_a_curve_that_makes_held_out_data_worse_says_so_too():
+    # It is no cause anyway, but its place would be believed.
+    shown = SimpleNamespace(
+        before=SimpleNamespace(nrmse=0.2), after=SimpleNamespace(nrmse=0.22)
+    )
+    answer, statement = worse_held_out(Verdict.UNEXPLAINED, "A curve.", shown)
+    assert answer is Verdict.UNEXPLAINED
+    assert "does not carry over" in statement

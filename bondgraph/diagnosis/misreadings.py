@@ -72,7 +72,7 @@ def refuse_unchanging(recordings: Sequence[BoundRecording]) -> None:
 
 
 def _misread(recording: BoundRecording, column: int) -> list[int]:
-    values = recording.outputs[:, column]
-    if recording.steady or not np.isfinite(values).all():
+    if recording.steady:
         return []
-    return [int(row) for row in outliers(recording.time, values)]
+    rows = outliers(recording.time, recording.outputs[:, column])
+    return [int(row) for row in rows]

@@ -73,7 +73,21 @@ def _probes(graph: FinishedGraph) -> tuple[Signal, ...]:
 def probe(
     fitted: FittedModel, signals: Sequence[sympy.Expr]
 ) -> dict[sympy.Expr, Array]:
-    """Return the samples of signals, or of what is made of them, as simulated."""
+    """Return the samples of signals, or of what is made of them, as simulated.
+
+    A signal that follows from no equation at the first sample (an algebraic loop that a
+    step can close, and nothing before it) is nan, and takes no other with it.
+    """
+    found = _probed_together(fitted, signals)
+    if len(signals) < 2 or any(np.isfinite(x).any() for x in found.values()):
+        return found
+    half = len(signals) // 2
+    return probe(fitted, signals[:half]) | probe(fitted, signals[half:])
+
+
+def _probed_together(
+    fitted: FittedModel, signals: Sequence[sympy.Expr]
+) -> dict[sympy.Expr, Array]:
     graph = replace(
         fitted.graph,
         measurements=(
@@ -128,7 +142,8 @@ def measure_scales(fitted: FittedModel) -> Scales:
             Quantity.EFFORT if isinstance(junction, OneJunction) else Quantity.FLOW
         )
         bonds = [f"{quantity}({b.name})" for b in graph.bonds_at(junction.name)]
-        sizes[f"{quantity}({junction.name})"] = max(sizes[bond] for bond in bonds)
+        told = [sizes[bond] for bond in bonds if bond in sizes]
+        sizes[f"{quantity}({junction.name})"] = max(told, default=0.0)
     return Scales(
         sizes,
         {name: (float(np.nanmin(x)), float(np.nanmax(x))) for name, x in known.items()},

@@ -28,6 +28,8 @@ from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
 GROWTH = 1.1
+GROWING = 1.5
+"""An effect that is so many times larger at the end than in the first half grows."""
 
 
 def choose_horizon(
@@ -105,6 +107,41 @@ def accumulates(
     to the initial state over the longest recording. A machine with dry friction is
     judged where it moves: what sticks keeps its state for ever.
     """
+    size = _lasting(graph, model, recordings, settings)
+    if not np.isfinite(size).all():
+        return True
+    tail = size[-max(len(size) // 10, 1) :].max(axis=0)
+    peak = size.max(axis=0)
+    # An oscillation decays; an integrator stays at its peak to the end.
+    ends_level = (tail >= 0.999 * peak) & (peak > 0.0)
+    return bool(ends_level.any())
+
+
+def grows(
+    graph: FinishedGraph,
+    model: NumericModel,
+    recordings: Sequence[BoundRecording],
+    settings: FitSettings,
+) -> bool:
+    """Return whether the effect of an initial state on the outputs goes on growing.
+
+    True for unstable plants and for what integrates twice: there the least disturbance
+    is more than anything else in the end.
+    """
+    size = _lasting(graph, model, recordings, settings)
+    if not np.isfinite(size).all():
+        return True
+    early, late = size[: len(size) // 2 + 1], size[-max(len(size) // 10, 1) :]
+    return bool((late.max(axis=0) > GROWING * early.max(axis=0)).any())
+
+
+def _lasting(
+    graph: FinishedGraph,
+    model: NumericModel,
+    recordings: Sequence[BoundRecording],
+    settings: FitSettings,
+) -> Array:
+    """Return the largest effect of each initial state over the longest recording."""
     longest = max(recordings, key=len)
     shots = cut([longest], WholeRecordings())
     problem = pose(graph, model, shots, settings)
@@ -120,11 +157,5 @@ def accumulates(
         solver=settings.solver,
         hold=settings.hold,
     )
-    size = np.abs(shot.sensitivities[shots.slices[0]]).max(axis=1)
-    if not np.isfinite(size).all():
-        return True
-    tail = size[-max(len(size) // 10, 1) :].max(axis=0)
-    peak = size.max(axis=0)
-    # An oscillation decays; an integrator stays at its peak to the end.
-    ends_level = (tail >= 0.999 * peak) & (peak > 0.0)
-    return bool(ends_level.any())
+    size: Array = np.abs(shot.sensitivities[shots.slices[0]]).max(axis=1)
+    return size

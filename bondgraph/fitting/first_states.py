@@ -6,6 +6,10 @@ the outputs by its flow, and a machine that was let go, or pushed, looks as if i
 always stood where it stands on average. So the states are also sought in the same
 machine with its frictions let go of, in which every flow shows, and taken from there
 where they fit better in the machine itself.
+
+At zero a root has no finite slope (an empty tank above its outlet), and an explicit
+method looks at that very point. There an implicit one, which looks beside it, goes
+first.
 """
 
 from dataclasses import replace
@@ -17,21 +21,29 @@ from bondgraph.fitting.horizon import SHORTEST
 from bondgraph.fitting.levenberg_marquardt import settle
 from bondgraph.fitting.problem import FitProblem
 from bondgraph.numeric.held_modes import with_modes_given
+from bondgraph.simulation.solvers import Sdirk2
 
 Array = NDArray[np.float64]
+ITERATIONS = 12
 
 
 def first_guess(problem: FitProblem, theta: Array) -> Array:
     """Return initial states that fit the first samples of every window, (n, nx)."""
     shots = problem.shots
     zeros = np.zeros((shots.n_windows, problem.model.n_states))
+    iterations = ITERATIONS
     if max(np.diff(shots.edges)) > 2 * SHORTEST:
         problem = replace(
             problem, shots=shots.subset(np.arange(shots.n_windows), SHORTEST)
         )
     elif problem.model.set_valued is None:
-        return zeros
-    initial, here = settle(problem, theta, zeros)
+        iterations = 0
+    initial, here = settle(problem, theta, zeros, iterations)
+    lost = ~np.isfinite(here.cost)
+    if lost.any():
+        beside, _ = settle(replace(problem, solver=Sdirk2()), theta, zeros)
+        initial = np.where(lost[:, None], beside, initial)
+        initial, here = settle(problem, theta, initial, iterations)
     moving = states_in_motion(problem, theta)
     if moving is None:
         return initial

@@ -30,6 +30,7 @@ from bondgraph.physics.position import (
     Spring,
 )
 from bondgraph.physics.ratio import Eccentricity
+from bondgraph.physics.relaxation import StoreBehind
 from bondgraph.physics.sensing import SensorBias, SensorNonlinearity, SensorScale
 from bondgraph.physics.thermal import Radiation, TemperatureDependentResistance
 from bondgraph.physics.unknown import UnknownRelation
@@ -49,6 +50,7 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     HardeningSpring(),
     AddedInertia(),
     AddedCompliance(),
+    StoreBehind(),
     Leak(),
     Slip(),
     SquareLaw(),

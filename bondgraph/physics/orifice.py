@@ -118,11 +118,13 @@ class Overflow(AbstractPhysics):
         self, place: ZeroJunctionPlace, *, power: sympy.Expr, below: str | None
     ) -> Hypothesis:
         low, high = place.scales.range_of(f"{E}({place.name})", place.effort)
-        bottom = max(low, 0.0)
+        bottom = max(low, 0.0) if high > 0.0 else low
         levels = tuple(bottom + share * (high - bottom) for share in self.shares)
         none = (0.0,) * len(levels)
         some = (2.0 * place.flow,) * len(levels)
-        edge = place.shape("overflow_level", place.unit(E), levels * 2)
+        # An edge below all that was ever there is none: what flows over it all the
+        # time is a leak, or a bias.
+        edge = place.shape("overflow_level", place.unit(E), levels * 2, low=bottom)
         k = place.strength("overflow", place.unit(F), none + some, low=0.0)
         size = place.constant("overflow_effort", place.unit(E), place.effort)
         law = k.symbol * sympy.Max((e - edge.symbol) / size.symbol, 0) ** power

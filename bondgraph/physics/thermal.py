@@ -8,7 +8,7 @@ from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import HEAT, E, F, Place
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import ZeroJunctionPlace
-from bondgraph.structure.domains import THERMAL
+from bondgraph.structure.domains import ELECTRICAL, THERMAL
 from bondgraph.structure.edits import SignalState
 from bondgraph.structure.elements import Resistance
 from bondgraph.structure.signals import displacement, e, effort, flow
@@ -88,6 +88,9 @@ class TemperatureDependentResistance(AbstractPhysics):
         rate = (h.symbol * power - displacement(name)) / tau.symbol
         law = place.usual_law * (1 + displacement(name))
         words = f"{place.name} changes as it warms"
+        if place.domain != ELECTRICAL:
+            # No temperature is seen, and a filter that clogs looks the same.
+            words = f"{place.name} changes by what it has borne: warmth, wear or dirt"
         edit = place.replace(law, h, tau, states=(SignalState(name, rate),))
         return self.hypothesis(place, edit, law, (h, tau), words, also=place.junctions)
 

@@ -197,6 +197,10 @@ SCENES: Mapping[str, Scene] = {
         up="displacement(*)",
         seconds=8.0,
     ),
+    "StoreBehind": Scene(
+        **{**_FILLED, "up": "effort(*)"},
+        values={"second_capacity": 0.8, "fill_time": 2.0},
+    ),
     "Leak": Scene(**_FILLED, values={"leak": 0.15}),
     "Slip": Scene(
         machine=machines.belt,

@@ -11,6 +11,7 @@ from bondgraph.diagnosis.adequacy.adequacy import adequacy
 from bondgraph.diagnosis.adequacy.records import Adequacy
 from bondgraph.diagnosis.answer.found import remaining
 from bondgraph.diagnosis.answer.leftover import noise_floor
+from bondgraph.diagnosis.answer.long_run import off_in_the_long_run
 from bondgraph.diagnosis.answer.verdict import (
     cut_short,
     not_simulated,
@@ -57,6 +58,10 @@ def concluded(
     verdict, statement = worse_held_out(verdict, statement, shown)
     verdict, statement = without_size(verdict, statement, findings)
     verdict, statement = cut_short(verdict, statement, rounds)
+    if verdict is Verdict.ADEQUATE:
+        off = off_in_the_long_run(base, recordings, floor)
+        if off is not None:
+            verdict, statement = Verdict.CANNOT_TELL, off
     return with_values(verdict, statement, wrong) if wrong else (verdict, statement)
 
 

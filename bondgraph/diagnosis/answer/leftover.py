@@ -15,6 +15,11 @@ from bondgraph.recordings.noise import NoiseEstimate, estimate_noise
 from bondgraph.recordings.spread import spread
 
 Array = NDArray[np.float64]
+ADEQUATE_RATIO = 3.0
+"""A residual below this many times the noise floor needs no more explanation."""
+
+SIZEABLE = 0.1
+"""Of an output's spread: a coloured residual larger than that is no mere noise."""
 
 
 def noise_floor(recordings: Sequence[BoundRecording]) -> dict[str, float]:
@@ -68,3 +73,17 @@ def residual_over_spread(fitted: FittedModel) -> dict[str, float]:
     shares = rms / np.where(moved > 0.0, moved, np.inf)
     names = fitted.problem.model.output_names
     return dict(zip(names, map(float, shares), strict=True))
+
+
+def too_large(fitted: FittedModel, floor: Mapping[str, float]) -> str | None:
+    """Return the output whose residual is worst beyond any noise; None where none is.
+
+    Large beside the noise alone is not enough: a sensor may be finer than a machine.
+    """
+    ratios, shares = residual_over_noise(fitted, floor), residual_over_spread(fitted)
+    large = [
+        name
+        for name, ratio in ratios.items()
+        if ratio > ADEQUATE_RATIO and shares[name] > SIZEABLE
+    ]
+    return max(large, key=lambda name: shares[name], default=None)

@@ -6,8 +6,10 @@ import numpy as np
 
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
 from bondgraph.diagnosis.answer.leftover import (
+    ADEQUATE_RATIO,
     residual_over_noise,
     residual_over_spread,
+    too_large,
 )
 from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.evidence.decision import Rule
@@ -39,12 +41,6 @@ SPOILT = 1.2
 """Where held-out errors grow by more than this factor, what was found is not the cause,
 whatever the training recordings say.
 """
-
-ADEQUATE_RATIO = 3.0
-"""A residual below this many times the noise floor needs no more explanation."""
-
-SIZEABLE = 0.1
-"""Of an output's spread: a coloured residual larger than that is no mere noise."""
 
 
 def verdict_of(
@@ -78,7 +74,7 @@ def verdict_of(
         return Verdict.UNEXPLAINED, told
     ratios = residual_over_noise(base, floor)
     worst = max(ratios.values(), default=float("nan"))
-    slow = _large_and_slow(base, ratios, checked)
+    slow = _large_and_slow(base, floor, checked)
     if slow is not None:
         return Verdict.CANNOT_TELL, slow
     if checked is not None and checked.status in NOTHING:
@@ -124,23 +120,19 @@ def _more_missing(remaining: float) -> str:
 
 
 def _large_and_slow(
-    base: FittedModel, ratios: Mapping[str, float], checked: Adequacy | None
+    base: FittedModel, floor: Mapping[str, float], checked: Adequacy | None
 ) -> str | None:
     """Return what to say of a residual too large for noise that follows nothing."""
     if checked is None or checked.status is not AdequacyStatus.COLOURED:
         return None
-    shares = residual_over_spread(base)
-    large = [
-        name
-        for name, ratio in ratios.items()
-        if ratio > ADEQUATE_RATIO and shares[name] > SIZEABLE
-    ]
-    if not large:
+    worst = too_large(base, floor)
+    if worst is None:
         return None
-    worst = max(large, key=lambda name: shares[name])
+    share = residual_over_spread(base)[worst]
+    ratio = residual_over_noise(base, floor)[worst]
     return (
-        f"The residual of {worst} is {100 * shares[worst]:.0f} % of what it varies by "
-        f"and {_times(ratios[worst])} its noise, yet it follows nothing that the "
+        f"The residual of {worst} is {100 * share:.0f} % of what it varies by "
+        f"and {_times(ratio)} its noise, yet it follows nothing that the "
         "machine is seen to do: an input that was not recorded, or physics with a "
         "memory that these channels do not show."
     )
@@ -199,7 +191,8 @@ def worse_held_out(
 ) -> tuple[Verdict, str]:
     """Return the verdict where the improved model predicts what was kept back worse."""
     before, after = held_out.before.nrmse, held_out.after.nrmse
-    if verdict is not Verdict.PHYSICS_MISSING or not after > SAME * before:
+    told_something = verdict in (Verdict.PHYSICS_MISSING, Verdict.UNEXPLAINED)
+    if not told_something or not after > SAME * before:
         return verdict, statement
     told = (
         f"{statement} But on the held-out recordings the improved model is worse than "

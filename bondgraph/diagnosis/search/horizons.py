@@ -6,6 +6,8 @@ A search needs many windows, the parameters need long ones.
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from bondgraph.diagnosis.answer.showing import simulate_whole
 from bondgraph.diagnosis.evidence.left_out import MOST_CHUNKS
 from bondgraph.diagnosis.search.options import Options
@@ -57,7 +59,8 @@ def sharpened(
 
     The search needs many windows; the parameters need windows over which measurement
     noise, not what still is left out, makes the residual. Where whole recordings are
-    then simulated worse than before, the search's own fit is kept.
+    then simulated worse than before, or the refit has not left its start because no
+    simulation from there ends, the search's own fit is kept: it knows its numbers.
     """
     settings = replace(
         options.settings, solver=fitted.problem.solver, hold=fitted.problem.hold
@@ -68,6 +71,8 @@ def sharpened(
         horizon = choose_horizon(graph, model, recordings, settings)
         settings = replace(settings, horizon=horizon)
     refitted = fit_model(graph, recordings, settings)
+    if not np.isfinite(refitted.optimum.cost):
+        return fitted
     before, after = (
         simulate_whole(one, recordings).score.nrmse for one in (fitted, refitted)
     )

@@ -1,0 +1,56 @@
+"""Whether whole recordings agree with what their windows say.
+
+The initial state of every window is free, and takes what acts more slowly than a window
+lasts. A model that leaves only noise over each of them may be far off over a recording,
+whatever values its parameters have: then nobody can say that nothing is missing.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+from bondgraph.diagnosis.answer.leftover import (
+    residual_over_noise,
+    residual_over_spread,
+    too_large,
+)
+from bondgraph.fitting.automatic import grows
+from bondgraph.fitting.estimate import FittedModel, fit_model
+from bondgraph.fitting.horizon import WholeRecordings, Windows
+from bondgraph.recordings.binding import BoundRecording
+
+
+def off_in_the_long_run(
+    base: FittedModel,
+    recordings: Sequence[BoundRecording],
+    floor: Mapping[str, float],
+) -> str | None:
+    """Return what to say where only windows are explained, and not recordings.
+
+    A plant on which the least disturbance goes on growing says nothing in the long run.
+    """
+    if not isinstance(base.horizon, Windows):
+        return None
+    settings = replace(base.settings, horizon=WholeRecordings())
+    graph = base.graph.with_parameters(base.values)
+    if grows(graph, base.problem.model, recordings, settings):
+        return None
+    whole = fit_model(graph, recordings, settings)
+    worst = too_large(whole, floor)
+    if worst is None:
+        return None
+    share, ratio = residual_over_spread(whole), residual_over_noise(whole, floor)
+    return (
+        f"Over windows of {_seconds(base):.3g} s, each from a state of its own, the "
+        "model leaves hardly more than noise. But over whole recordings, refitted to "
+        f"them, it misses {worst} by {100 * share[worst]:.0f} % of what it varies by, "
+        f"{ratio[worst]:.1f} times its noise: a slow disturbance that was not "
+        "recorded, or physics slower than these windows. Diagnose with longer windows "
+        "(--window)."
+    )
+
+
+def _seconds(base: FittedModel) -> float:
+    """Return how long the longest window lasts."""
+    time, edges = base.problem.shots.time, base.problem.shots.edges
+    return max(float(time[stop - 1] - time[start]) for start, stop in pairwise(edges))

@@ -1,0 +1,127 @@
+"""Stores behind a resistance: what is there takes in more, but only in time.
+
+Beside a stock it is a second one (the wall of a room, the iron of a machine, a vessel
+behind an orifice); in a branch of a circuit it is a voltage that builds up behind the
+current (polarisation). Both add one state, which fades with a time of its own.
+"""
+
+from collections.abc import Iterator
+
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.places.base import (
+    ELECTRIC,
+    FLUID,
+    HEAT,
+    Coefficient,
+    E,
+    F,
+    Place,
+    Q,
+)
+from bondgraph.physics.places.junction import (
+    JunctionPlace,
+    OneJunctionPlace,
+    ZeroJunctionPlace,
+)
+from bondgraph.structure.edits import (
+    InsertElement,
+    LoosenBond,
+    ObstructBond,
+    SeveralEdits,
+)
+from bondgraph.structure.elements import Compliance, Resistance
+from bondgraph.structure.graph import Bond
+from bondgraph.structure.signals import f, q
+
+SHARES = (0.03, 0.1, 0.01)
+"""Of a recording's length: the times that fits start from, the middle one first. A fit
+that keeps its promise there tries no other.
+"""
+
+FASTEST = 5.0
+"""Samples: what fills faster is not told from an error of the clock."""
+
+
+class StoreBehind(AbstractPhysics):
+    """A second store behind a resistance: it fills and empties in a time of its own."""
+
+    word = "added_compliance"
+    reference = "RC ladders of walls and windings; Randles 1947 (polarisation)"
+    passivity = Passivity.DISSIPATIVE
+    signature = (
+        "a quick answer and then a slow one; taken for a larger stock, a leak or a "
+        "slow disturbance"
+    )
+    domains = FLUID | HEAT | ELECTRIC
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it beside every stock, and in circuits wherever there is a loss."""
+        if not isinstance(place, JunctionPlace) or not self.suits(place):
+            return
+        kinds = {type(node) for node in place.neighbours}
+        if isinstance(place, ZeroJunctionPlace) and Compliance in kinds:
+            yield self._beside(place)
+        if isinstance(place, OneJunctionPlace) and Resistance in kinds:
+            yield from self._in_line(place)
+
+    def _beside(self, place: ZeroJunctionPlace) -> Hypothesis:
+        """Return a stock beside the one that is there, and what lies between."""
+        size = place.displacement / place.effort
+        c = self._capacity(place, "second_capacity", place.unit(Q, E), size)
+        tau = self._time(place)
+        store = Compliance(place.name_of("second_store"), law=q / c.symbol)
+        between = Resistance(
+            place.name_of("way_to_second_store"), law=tau.symbol / c.symbol * f
+        )
+        added = (c.parameter, tau.parameter)
+        edit = SeveralEdits(
+            (
+                InsertElement(place.name, store, added[:1]),
+                ObstructBond(
+                    Bond(place.name, store.name),
+                    place.name_of("behind"),
+                    (between,),
+                    added,
+                ),
+            )
+        )
+        what = {
+            "thermal": "a second mass that takes heat, behind a resistance",
+            "electrical": "a second capacity behind a resistance",
+        }.get(place.domain.name, "a second volume behind a resistance")
+        return self.hypothesis(place, edit, store.law, (c, tau), what)
+
+    def _in_line(self, place: OneJunctionPlace) -> Iterator[Hypothesis]:
+        """Yield a resistance beside a capacity, through which all current goes."""
+        if place.domain not in ELECTRIC:
+            return
+        size = place.effort / place.flow
+        r = self._capacity(place, "slow_resistance", place.unit(E, F), 0.1 * size)
+        tau = self._time(place)
+        loss = Resistance(place.name_of("slow_loss"), law=r.symbol * f)
+        store = Compliance(place.name_of("slow_store"), law=r.symbol / tau.symbol * q)
+        added = (r.parameter, tau.parameter)
+        edit = SeveralEdits(
+            (
+                InsertElement(place.name, loss, added[:1]),
+                LoosenBond(
+                    Bond(place.name, loss.name), place.name_of("slow"), (store,), added
+                ),
+            )
+        )
+        words = "a voltage that builds up with the current in time: polarisation"
+        yield self.hypothesis(place, edit, loss.law, (r, tau), words)
+
+    @staticmethod
+    def _capacity(
+        place: JunctionPlace, stem: str, unit: str, size: float
+    ) -> Coefficient:
+        n = len(SHARES)
+        starts = (1e-3 * size,) * n + (size,) * n
+        return place.strength(stem, unit, starts, low=1e-6 * size)
+
+    @staticmethod
+    def _time(place: JunctionPlace) -> Coefficient:
+        low = FASTEST * place.scales.step
+        times = tuple(max(share * place.scales.stretch, 2 * low) for share in SHARES)
+        return place.shape("fill_time", "s", times * 2, low=low)

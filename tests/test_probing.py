@@ -1,0 +1,40 @@
+"""Sizes of signals: one that cannot be told is left out and takes none along."""
+
+import numpy as np
+
+from bondgraph import BondGraph, C, R, Recording, Sf, bind_to
+from bondgraph.diagnosis import probing
+from bondgraph.fitting.estimate import FitSettings, fit_model
+from bondgraph.structure.signals import effort, flow
+
+
+def vessel():
+    g = BondGraph("vessel", domain="hydraulic")
+    g.zero("vessel", Sf("inflow"), C("volume"), R("outlet"))
+    g.measure("pressure", effort="vessel")
+    g.parameter("volume", 2.0, "m^3/Pa")
+    g.parameter("outlet", 3.0, "Pa*s/m^3")
+    return g.finish()
+
+
+def test_a_signal_that_cannot_be_told_takes_no_other_with_it(monkeypatch):
+    time = 0.1 * np.arange(60)
+    channels = {"inflow": (1.0 + np.sin(time), "m^3/s"), "pressure": (time, "Pa")}
+    graph = vessel()
+    run = bind_to(graph, Recording.from_arrays("run", time, channels))
+    fitted = fit_model(graph, [run], FitSettings(iterations=1))
+    together = probing._probed_together
+    untold = flow("outlet")
+
+    def lost(fitted, signals):
+        found = together(fitted, signals)
+        return {s: x * np.nan if untold in signals else x for s, x in found.items()}
+
+    monkeypatch.setattr(probing, "_probed_together", lost)
+    found = probing.probe(fitted, [effort("vessel"), untold, flow("volume")])
+    told = [bool(np.isfinite(x).all()) for x in found.values()]
+    assert told == [True, False, True]
+    monkeypatch.setattr(
+        probing, "_probed_together", lambda _, s: dict.fromkeys(s, time * np.nan)
+    )
+    assert probing.measure_scales(fitted).sizes["flow(vessel)"] == 0.0
