@@ -23,6 +23,7 @@ from bondgraph.diagnosis.search.trying import (
     fit_on,
     fit_what_remembers,
 )
+from bondgraph.diagnosis.search.vanished import begun_again
 from bondgraph.diagnosis.work.journal import Plain
 from bondgraph.diagnosis.work.workers import Work
 from bondgraph.physics.hypothesis import Hypothesis
@@ -167,7 +168,7 @@ def _related(
     """Return the candidates, each refitted from relatives that fit better.
 
     Laws that contain the leading one are tried from its optimum, even where they were
-    not kept.
+    not kept; a law that its fit has let go of begins again with an effect.
     """
     if not candidates:
         return []
@@ -184,6 +185,7 @@ def _related(
     ][:WIDER]
     there = Start.where_ended(leading.fitted)
     trials += [Trial(hypothesis, (there,)) for hypothesis in wider]
+    trials += begun_again(candidates)
     if not trials:
         return candidates
     refitted = bench.candidates(trials, bench.run(fit_fully, trials, "relatives"))
