@@ -79,6 +79,18 @@ CASES = [
     Case("wheel", "Gravity", "shaft", {"gravity_sine": 0.5, "gravity_cosine": 0.2}),
     Case("wheel", "Spring", "shaft", {"stiffness": 0.4, "spring_offset": 0.1}),
     Case("slider", "HardeningSpring", "carriage", {"cubic_stiffness": 2e4}),
+    Case(
+        "wheel",
+        "HardeningSpring",
+        "shaft",
+        {
+            "cubic_stiffness": 0.1,
+            "square_stiffness": -0.08,
+            "stiffness": 0.4,
+            "spring_offset": 0.1,
+        },
+        1,
+    ),
     Case("two_masses", "HardeningSpring", "spring", {"cubic_stiffness": 2e4}),
     Case("slider", "AddedInertia", "carriage", {"added_inertia": 0.5}),
     Case("two_tanks", "AddedCompliance", "lower", {"added_compliance": 0.1}),
