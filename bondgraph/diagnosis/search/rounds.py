@@ -1,15 +1,17 @@
 """The search: physics is added one piece at a time until nothing more is supported.
 
 Each round hands the improved model on. What an addition makes needless is taken out
-again; an addition that leaves nothing of what was there is its rival, and is given up.
+again. An addition that leaves nothing of what was there is its rival, and is given up,
+but where it does far better in its place; so does what would add too little beside it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE, beside_earlier
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.between_samples import (
@@ -18,6 +20,7 @@ from bondgraph.diagnosis.search.between_samples import (
     simulated_as,
 )
 from bondgraph.diagnosis.search.beyond_noise import left_beside, within
+from bondgraph.diagnosis.search.exchange import Exchanged, Reached, exchanged
 from bondgraph.diagnosis.search.one_round import Round, Setting, one_round
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.removal import pruned, swallowed
@@ -25,6 +28,7 @@ from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.structure.parameters import Parameter
 
 Array = NDArray[np.float64]
 
@@ -60,18 +64,13 @@ def search(
         much = left_beside(base, current, noise) > options.rule.materiality
         setting = Setting(current, recordings, noise, options, number, added, much)
         found = one_round(setting, shop)
+        shop.progress(f"round {number}: trying without what was added before")
+        reached = Reached(base, current, added, noise)
+        found, fitted, added = _made(reached, found, authored, options.rule)
         if found.chosen is None:
             return [*rounds, found]
-        candidate = found.chosen.candidate
-        added = (*added, candidate.hypothesis)
-        shop.progress(f"round {number}: trying without what was added before")
-        left = pruned(base, current, candidate.fitted, added, options.rule)
-        if rounds:
-            lost = swallowed(current, left.fitted, left.kept[:-1], authored)
-            if lost is not None:
-                return [*rounds, _given_up(found, lost)]
-        rounds.append(replace(found, removed=left.removed))
-        current, added = finely_stepped(left.fitted, noise), left.kept
+        rounds.append(found)
+        current = finely_stepped(fitted, noise)
         if options.either_hold:
             current = held_as_fits(current)
         now = current.problem
@@ -80,6 +79,49 @@ def search(
         gains.append(found.chosen.gain.value)
         if beside_earlier(gains)[-1] < MERE_SHAPE:
             return [*rounds, Round(current)]
+
+
+def _made(
+    reached: Reached, found: Round, authored: Mapping[str, Parameter], rule: Rule
+) -> tuple[Round, FittedModel, tuple[Hypothesis, ...]]:
+    """Return the round as it is made, the model after it and what that has.
+
+    What was chosen is added, takes an earlier one's place or is given up.
+    """
+    newcomers = found.judged
+    if found.chosen is not None:
+        candidate = found.chosen.candidate
+        together = (*reached.added, candidate.hypothesis)
+        left = pruned(reached.first, reached.current, candidate.fitted, together, rule)
+        lost = None
+        if reached.added:
+            lost = swallowed(reached.current, left.fitted, left.kept[:-1], authored)
+        if lost is None:
+            return replace(found, removed=left.removed), left.fitted, left.kept
+        newcomers, found = (found.chosen,), _given_up(found, lost)
+    instead = None
+    if not found.cut_short:
+        instead = exchanged(reached, newcomers, found.tried, rule)
+    if instead is None:
+        return found, reached.current, reached.added
+    return _in_place(found, instead), instead.fitted, instead.kept
+
+
+def _in_place(found: Round, instead: Exchanged) -> Round:
+    """Return the round with the law that has taken an earlier one's place."""
+    new = instead.better
+    others = (
+        j
+        for j in found.judged
+        if j.candidate.hypothesis is not new.candidate.hypothesis
+    )
+    return replace(
+        found,
+        judged=(new, instead.rival, *others),
+        chosen=new,
+        probability=instead.probability,
+        removed=(instead.rival.candidate.hypothesis,),
+    )
 
 
 def _given_up(found: Round, lost: str) -> Round:
