@@ -7,6 +7,8 @@ import sympy
 
 from bondgraph import BondGraph, C, I, R, Se
 from bondgraph.diagnosis.search.removal import gone_from
+from bondgraph.diagnosis.search.trying import UNSOLVED, _or_refused
+from bondgraph.errors import BondGraphError, EquationError
 from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
@@ -128,3 +130,14 @@ def test_a_divided_curve_can_be_the_undivided_one():
             curve = sympy.lambdify(x, hypothesis.law.subs(rest))
             drawn.append([curve(at) for at in np.linspace(-2.0, 2.0, 41)])
         assert np.allclose(drawn[0], drawn[1], atol=1e-9), key
+
+
+def test_what_is_said_of_a_law_that_cannot_be_solved_holds_no_formula():
+    def unsolved():
+        raise EquationError("The law e = a*tanh(f) gives e.", (), "Write it in e.")
+
+    def unsimulated():
+        raise BondGraphError("It could not be simulated.", (), "Give other values.")
+
+    assert _or_refused(unsolved) == {"refused": UNSOLVED}
+    assert _or_refused(unsimulated) == {"refused": "It could not be simulated."}
