@@ -6,7 +6,7 @@ better starts; every candidate is refitted from relatives that fit better.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import attrgetter
 
 import numpy as np
@@ -173,7 +173,7 @@ def _related(
     if not candidates:
         return []
     trials = [
-        Trial(own.hypothesis, (_from_relative(own, other),))
+        Trial(own.hypothesis, _from_relative(own, other))
         for own in candidates
         for other in candidates
         if other.cost < RELATIVE_BETTER * own.cost and _akin(own, other)
@@ -212,8 +212,12 @@ def _shared(other: Candidate) -> dict[str, float]:
     return dict(zip(names, map(float, other.fitted.optimum.theta), strict=True))
 
 
-def _from_relative(own: Candidate, other: Candidate) -> Start:
-    """Return a start at the other's values, with the own ones where they differ."""
+def _from_relative(own: Candidate, other: Candidate) -> tuple[Start, ...]:
+    """Return starts at the other's values, with the own ones where they differ.
+
+    And where the other is contained in it, with its additions at none: what it has
+    become on its own way need not suit, and from there it cannot end worse.
+    """
     shared = {**_shared(own), **_shared(other)}
     twins = zip(own.hypothesis.parameters, other.hypothesis.parameters, strict=False)
     for name, twin in twins:
@@ -221,4 +225,11 @@ def _from_relative(own: Candidate, other: Candidate) -> Start:
         if name != twin and own.fitted.graph.parameters[name].unit == "1":
             shared[name] = shared[twin]
     problem = other.fitted.problem
-    return Start(shared, other.fitted.optimum.initial, problem.solver)
+    starts = [Start(shared, other.fitted.optimum.initial, problem.solver)]
+    if own.hypothesis.contains(other.hypothesis):
+        added = set(own.hypothesis.strengths) - set(other.hypothesis.parameters)
+        starts += [
+            replace(starts[0], values={**shared, **{n: silent[n] for n in added}})
+            for silent in own.hypothesis.silent_starts[:1]
+        ]
+    return tuple(starts)
