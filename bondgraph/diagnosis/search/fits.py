@@ -155,11 +155,29 @@ def _gone_on(bench: Bench, reached: list[_Reached], most: int) -> list[_Reached]
         and one.hypothesis.physics != CURVE
     ][:most]
     trials = [one.as_start(with_states=True) for one in coming]
+    trials += _from_what_they_contain(reached)
     longer = bench.run(fit_on, trials, "longer fits", few=True)
     there = _reached(bench, zip([t.hypothesis for t in trials], longer, strict=True))
-    gone = {id(one.hypothesis) for one in there}
-    rest = [one for one in reached if id(one.hypothesis) not in gone]
-    return sorted([*there, *rest], key=lambda one: -one.reduction)
+    best: dict[int, _Reached] = {}
+    for one in (*there, *reached):
+        known = best.setdefault(id(one.hypothesis), one)
+        if one.reduction > known.reduction:
+            best[id(one.hypothesis)] = one
+    return sorted(best.values(), key=lambda one: -one.reduction)
+
+
+def _from_what_they_contain(reached: Sequence[_Reached]) -> list[Trial]:
+    """Return fits of laws that are behind one that they contain, begun where it ended.
+
+    With nothing added they are as good, and can only gain from there.
+    """
+    return [
+        Trial(wide.hypothesis, narrow.as_start(with_states=True).starts)
+        for wide in reached
+        for narrow in reached
+        if wide.reduction < narrow.reduction
+        and wide.hypothesis.contains(narrow.hypothesis)
+    ]
 
 
 def _related(
