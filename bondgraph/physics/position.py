@@ -91,7 +91,9 @@ class HardeningSpring(AbstractPhysics):
         """
         if isinstance(place, OneJunctionPlace) and place.displacement_known:
             yield self._beside(place)
-            yield self._about_its_rest(place)
+            yield self._about_its_rest(place, alone=False)
+            if not place.has_free_linear(Compliance):
+                yield self._about_its_rest(place, alone=True)
         if isinstance(place, ElementPlace) and isinstance(place.element, Compliance):
             on_one = place.is_one_junction(place.junctions[0])
             if not on_one and q in place.usual_law.free_symbols:
@@ -108,33 +110,30 @@ class HardeningSpring(AbstractPhysics):
             place, place.insert(element, k), law, (k,), words, also=tuple(springs)
         )
 
-    def _about_its_rest(self, place: OneJunctionPlace) -> Hypothesis:
-        """Return all cubic laws: k (q - a) + c (q - a)^3 and a preload, multiplied out.
+    def _about_its_rest(self, place: OneJunctionPlace, *, alone: bool) -> Hypothesis:
+        """Return c (q - a)^3 multiplied out: its parameters then act in proportion.
 
-        In this form every parameter acts in proportion, and fits need no start.
+        Beside another spring, which gives the linear part and the preload, or alone.
         """
         some = 0.2 * place.effort / place.displacement**3
         k = place.strength("cubic_stiffness", place.unit(E, Q, 3), (0.0, some))
         bend = place.strength("square_stiffness", place.unit(E, Q, 2))
-        own = [k, bend]
+        own, extends = [k, bend], [self.word]
         law = k.symbol * q**3 + bend.symbol * q**2
-        if not place.has_free_linear(Compliance):
+        if alone:
             slope = place.strength("stiffness", place.unit(E, Q))
             rest = place.strength("spring_offset", place.unit(E))
             law += slope.symbol * q + rest.symbol
             own += [slope, rest]
+            extends.append("spring")
         element = restoring(place, place.name_of(self.word), law)
         words = (
             f"{place.a(E)} that grows with the cube of {place.domain.displacement} "
-            "from where it rests"
+            f"from where it rests{', and in proportion' if alone else ''}"
         )
+        edit = place.insert(element, *own)
         return self.hypothesis(
-            place,
-            place.insert(element, *own),
-            law,
-            tuple(own),
-            words,
-            extends=("spring", self.word),
+            place, edit, law, tuple(own), words, extends=tuple(extends)
         )
 
     def _own(self, place: ElementPlace) -> Hypothesis:
