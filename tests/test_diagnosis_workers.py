@@ -2,6 +2,7 @@
 
 import json
 import math
+import shutil
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
 
@@ -155,6 +156,16 @@ def test_a_journal_that_cannot_be_written_is_refused(tmp_path):
     file.write_text("")
     with pytest.raises(BondGraphError, match="cannot be used"):
         Journal(file / "journal")
+
+
+def test_a_journal_whose_folder_was_cleared_away_is_written_again(tmp_path):
+    folder = tmp_path / "cache" / "run"
+    journal = Journal(folder)
+    journal.put("a", {"cost": 1.0})
+    shutil.rmtree(tmp_path / "cache")
+    journal.put("b", {"cost": 2.0})
+    again = Journal(folder)
+    assert [again.get(key) for key in "ab"] == [{"cost": 1.0}, {"cost": 2.0}]
 
 
 def test_a_fingerprint_changes_with_every_part():

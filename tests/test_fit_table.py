@@ -1,5 +1,7 @@
 """The table of estimates: the interval where it fits."""
 
+from dataclasses import replace
+
 import pytest
 
 from bondgraph.fitting.result import Estimate
@@ -20,6 +22,11 @@ def test_the_interval_is_shown_beside_the_estimate(mass):
     assert "1.8 to 2.21" in first
     assert "not identifiable" in second
     assert " to " not in second
+
+
+def test_the_ends_of_a_narrow_interval_are_told_apart(mass):
+    narrow = replace(mass, value=0.21, std=4.4e-6, interval=(0.2099976, 0.2100152))
+    assert "0.2099976 to 0.2100152" in estimates_table([narrow], width=80)
 
 
 def test_the_interval_gives_way_where_lines_would_break(mass):

@@ -8,6 +8,8 @@ import sympy
 
 from bondgraph import BondGraph, C, I, R, Se
 from bondgraph.diagnosis.search.removal import gone_from
+from bondgraph.diagnosis.search.trying import UNSOLVED, _or_refused
+from bondgraph.errors import BondGraphError, EquationError
 from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
@@ -141,3 +143,14 @@ def test_a_rougher_curve_may_bend_more_and_is_no_larger():
         ):
             times = 10.0 if "bend" in one.name else 1.0
             assert one.exact or other.std == pytest.approx(times * one.std)
+
+
+def test_what_is_said_of_a_law_that_cannot_be_solved_holds_no_formula():
+    def unsolved():
+        raise EquationError("The law e = a*tanh(f) gives e.", (), "Write it in e.")
+
+    def unsimulated():
+        raise BondGraphError("It could not be simulated.", (), "Give other values.")
+
+    assert _or_refused(unsolved) == {"refused": UNSOLVED}
+    assert _or_refused(unsimulated) == {"refused": "It could not be simulated."}

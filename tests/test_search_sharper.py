@@ -1,5 +1,7 @@
 """Dry friction holds: a smooth edge that creeps is sharpened after the fit."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,12 @@ from bondgraph import BondGraph, I, R, Recording, Se, bind_to
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import Promised
-from bondgraph.diagnosis.search.fits import fit_best
+from bondgraph.diagnosis.search.fits import (
+    _from_relative,
+    _from_what_they_contain,
+    _Reached,
+    fit_best,
+)
 from bondgraph.diagnosis.search.sharper import sharpened
 from bondgraph.diagnosis.search.trying import Trial, fit_fully
 from bondgraph.diagnosis.work.journal import Journal
@@ -98,3 +105,34 @@ def test_the_narrower_law_is_judged_beside_a_wider_one_that_is_kept(bench):
         "coulomb_friction",
         "stribeck_friction",
     }
+
+
+def test_a_wider_law_is_tried_from_the_one_it_contains_without_its_additions(bench):
+    trials = [
+        Trial(hypothesis)
+        for physics in (CoulombFriction(), StribeckFriction())
+        for hypothesis in proposed(bench, physics)
+    ]
+    narrow, wide = bench.candidates(trials, bench.run(fit_fully, trials, "fits"))
+    own, none = _from_relative(wide, narrow)
+    coulomb, rise = narrow.fitted.values["coulomb_cart"], "stribeck_rise_cart"
+    assert own.values["coulomb_cart"] == none.values["coulomb_cart"] == coulomb
+    assert own.values[rise] == wide.fitted.values[rise] != 0.0
+    assert none.values[rise] == 0.0
+    assert len(_from_relative(narrow, wide)) == 1
+
+
+def test_a_short_fit_of_a_wider_law_begins_where_a_narrower_one_has_ended(bench):
+    (dry,), (wide,) = (
+        proposed(bench, physics) for physics in (CoulombFriction(), StribeckFriction())
+    )
+    ended = {
+        "values": {"coulomb_cart": DRY},
+        "initial": [],
+        "solver": ("RungeKutta4", 1),
+    }
+    ahead, behind = _Reached(0.8, dry, ended), _Reached(0.4, wide, ended)
+    (trial,) = _from_what_they_contain([ahead, behind])
+    assert trial.hypothesis is wide
+    assert trial.starts[0].values == {"coulomb_cart": DRY}
+    assert _from_what_they_contain([replace(behind, reduction=0.9), ahead]) == []

@@ -31,6 +31,9 @@ GROWTH = 1.1
 GROWING = 1.5
 """An effect that is so many times larger at the end than in the first half grows."""
 
+DOUBLED = 16.0
+"""An effect that grows by more than this over twice the time grows exponentially."""
+
 
 def choose_horizon(
     graph: FinishedGraph,
@@ -104,10 +107,9 @@ def accumulates(
     """Return whether the effect of an initial state on the outputs does not fade.
 
     True for integrators and unstable plants, judged by the sensitivity of the outputs
-    to the initial state over the longest recording. A machine with dry friction is
-    judged where it moves: what sticks keeps its state for ever.
+    to the initial state over the longest recording.
     """
-    size = _lasting(graph, model, recordings, settings)
+    size = _effects(graph, model, max(recordings, key=len), settings)
     if not np.isfinite(size).all():
         return True
     tail = size[-max(len(size) // 10, 1) :].max(axis=0)
@@ -128,22 +130,51 @@ def grows(
     True for unstable plants and for what integrates twice: there the least disturbance
     is more than anything else in the end.
     """
-    size = _lasting(graph, model, recordings, settings)
+    size = _effects(graph, model, max(recordings, key=len), settings)
     if not np.isfinite(size).all():
         return True
     early, late = size[: len(size) // 2 + 1], size[-max(len(size) // 10, 1) :]
     return bool((late.max(axis=0) > GROWING * early.max(axis=0)).any())
 
 
-def _lasting(
+def remembered(
     graph: FinishedGraph,
     model: NumericModel,
     recordings: Sequence[BoundRecording],
     settings: FitSettings,
+    samples: int,
+) -> int:
+    """Return the length of a window, at most `samples`, that a fit can hold on to.
+
+    On an unstable plant the effect of an initial state grows without measure, and no
+    fit finds its way over a window in which it has grown by a million. It is halved
+    until doubling it would not make the effect much larger: over twice the time an
+    integrator's is twice as large, that of three after each other eight times.
+    """
+    size = _effects(graph, model, max(recordings, key=len), settings)
+    reached = np.maximum.accumulate(np.where(np.isfinite(size), size, np.inf), axis=0)
+    samples = min(samples, len(reached))
+    while samples > SHORTEST:
+        whole, half = reached[samples - 1], reached[samples // 2 - 1]
+        # What has no effect yet by then is late, and not unstable.
+        if np.all((whole <= DOUBLED * half) & np.isfinite(whole) | (half == 0.0)):
+            break
+        samples = max(samples // 2, SHORTEST)
+    return samples
+
+
+def _effects(
+    graph: FinishedGraph,
+    model: NumericModel,
+    recording: BoundRecording,
+    settings: FitSettings,
 ) -> Array:
-    """Return the largest effect of each initial state over the longest recording."""
-    longest = max(recordings, key=len)
-    shots = cut([longest], WholeRecordings())
+    """Return the largest effect of each initial state on an output, sample by sample.
+
+    A machine with dry friction is judged where it moves: what sticks keeps its state
+    for ever.
+    """
+    shots = cut([recording], WholeRecordings())
     problem = pose(graph, model, shots, settings)
     initial = np.zeros((shots.n_windows, model.n_states))
     if model.set_valued is not None:

@@ -84,9 +84,16 @@ class HardeningSpring(AbstractPhysics):
     signature = "resonance moves with amplitude; odd harmonics"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it where the displacement is known, and for a C on a 0-junction."""
+        """Yield it where the displacement is known, and for a C on a 0-junction.
+
+        Once about the origin, and once about wherever it rests: the zero of an encoder
+        is where it was switched on.
+        """
         if isinstance(place, OneJunctionPlace) and place.displacement_known:
             yield self._beside(place)
+            yield self._about_its_rest(place, alone=False)
+            if not place.has_free_linear(Compliance):
+                yield self._about_its_rest(place, alone=True)
         if isinstance(place, ElementPlace) and isinstance(place.element, Compliance):
             on_one = place.is_one_junction(place.junctions[0])
             if not on_one and q in place.usual_law.free_symbols:
@@ -101,6 +108,32 @@ class HardeningSpring(AbstractPhysics):
         springs = (n.name for n in place.neighbours if isinstance(n, Compliance))
         return self.hypothesis(
             place, place.insert(element, k), law, (k,), words, also=tuple(springs)
+        )
+
+    def _about_its_rest(self, place: OneJunctionPlace, *, alone: bool) -> Hypothesis:
+        """Return c (q - a)^3 multiplied out: its parameters then act in proportion.
+
+        Beside another spring, which gives the linear part and the preload, or alone.
+        """
+        some = 0.2 * place.effort / place.displacement**3
+        k = place.strength("cubic_stiffness", place.unit(E, Q, 3), (0.0, some))
+        bend = place.strength("square_stiffness", place.unit(E, Q, 2))
+        own, extends = [k, bend], [self.word]
+        law = k.symbol * q**3 + bend.symbol * q**2
+        if alone:
+            slope = place.strength("stiffness", place.unit(E, Q))
+            rest = place.strength("spring_offset", place.unit(E))
+            law += slope.symbol * q + rest.symbol
+            own += [slope, rest]
+            extends.append("spring")
+        element = restoring(place, place.name_of(self.word), law)
+        words = (
+            f"{place.a(E)} that grows with the cube of {place.domain.displacement} "
+            f"from where it rests{', and in proportion' if alone else ''}"
+        )
+        edit = place.insert(element, *own)
+        return self.hypothesis(
+            place, edit, law, tuple(own), words, extends=tuple(extends)
         )
 
     def _own(self, place: ElementPlace) -> Hypothesis:

@@ -17,6 +17,7 @@ from bondgraph.fitting.result import Estimate
 from bondgraph.recordings.recording import Recording
 from bondgraph.reporting.wording import (
     NOTHING,
+    interval_words,
     number_words,
     percent,
     sentence_start,
@@ -139,7 +140,7 @@ def estimates_table(
 def _interval(interval: tuple[float, float] | None) -> str:
     if interval is None:
         return NOTHING
-    return " to ".join(number_words(end) for end in interval)
+    return interval_words(*interval)
 
 
 def candidates_table(

@@ -13,6 +13,8 @@ VERDICTS = {
 }
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 NOTHING = "–"
+DIGITS = 1e-15
+"""A deviation below this share of a number lies beyond its last digit."""
 
 
 def sentence_start(text: str) -> str:
@@ -51,7 +53,7 @@ def with_deviation(value: float, std: float | None) -> str:
     """Return ``value ± std``, rounded to two digits of the standard deviation."""
     if std is None or not math.isfinite(std) or not math.isfinite(value):
         return number_words(value)
-    if std == 0.0:
+    if std <= DIGITS * abs(value):
         return number_words(value, 6)
     size = max(abs(value), std)
     power = math.floor(math.log10(size))

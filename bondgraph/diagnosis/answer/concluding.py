@@ -47,7 +47,7 @@ def concluded(
         Whole simulations before and after, of training and of held-out recordings.
     """
     base, made, floor = rounds[0].base, accepted(rounds), noise_floor(recordings)
-    left = remaining(made, floor)
+    left = remaining(rounds, floor)
     if not trained.after.nrmse < trained.before.nrmse:
         left = max(left, 1.0)
     checked = _checked(base, recordings, made)

@@ -14,7 +14,9 @@ from bondgraph.diagnosis.evidence.decision import (
     clearly_better,
 )
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE, beside_earlier
+from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Evidence, Finding, Support
+from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.diagnosis.search.one_round import Round
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.fitting.result import FitResult
@@ -58,6 +60,7 @@ def findings_of(
                 place=chosen.place,
                 element=hypothesis.element,
                 statement=finding_statement(chosen, places, close, estimates)
+                + nearest(found)
                 + (MENDS_SHAPE if share < MERE_SHAPE else ""),
                 law=str(hypothesis.law),
                 indistinguishable_places=places,
@@ -75,6 +78,27 @@ def findings_of(
         )
         others[hypothesis.element] = close
     return findings, others
+
+
+def nearest(found: Round) -> str:
+    """Return which law with a name comes nearest to a curve, if one is supported."""
+    curve = found.chosen
+    assert curve is not None
+    named = [
+        j
+        for j in found.judged
+        if j.support is Support.SUPPORTED
+        and j.physics != CURVE
+        and j.place == curve.place
+    ]
+    if curve.physics != CURVE or not named:
+        return ""
+    best = max(named, key=lambda j: j.gain.value)
+    return (
+        f" Of the laws with a name {name_of(best.physics)} comes nearest: it takes "
+        f"away {100 * best.gain.value:.0f} % of the error on left-out data, the curve "
+        f"{100 * curve.gain.value:.0f} %."
+    )
 
 
 def _shown(judged: Judged, held_out: Sequence[BoundRecording]) -> Evidence:
@@ -140,18 +164,25 @@ def all_evidence(rounds: Sequence[Round]) -> tuple[Evidence, ...]:
     )
 
 
-def remaining(accepted: Sequence[Round], floor: Mapping[str, float]) -> float:
-    """Return the share of the left-out error that the findings leave beyond noise."""
-    share = 1.0
-    for found in accepted:
-        assert found.chosen is not None
-        share *= 1.0 - found.chosen.gain.value
-    if not accepted:
-        return share
-    base = accepted[0].base
+def remaining(rounds: Sequence[Round], floor: Mapping[str, float]) -> float:
+    """Return the share of the left-out error that the findings leave beyond noise.
+
+    From the first model to the last one: what was found on the way may have been taken
+    out again, and its gain with it.
+    """
+    made = [found.chosen for found in rounds if found.chosen is not None]
+    if not made:
+        return 1.0
+    whole = _per_sample(made[0].errors) / max(1.0 - made[0].gain.value, 1e-12)
+    share = _per_sample(made[-1].errors) / whole if whole > 0.0 else 1.0
+    base = rounds[0].base
     scale = base.problem.sigma
     power = np.nanmean((base.residuals() / scale) ** 2, axis=0)
     noise = (np.array([floor[name] for name in floor]) / scale) ** 2
     # The gains are of the errors of all outputs together, weighted by these scales.
     beyond = 1.0 - float(np.sum(np.minimum(noise, power)) / np.sum(power))
     return max(share - (1.0 - beyond), 0.0) / max(beyond, 1e-12)
+
+
+def _per_sample(errors: LeftOutErrors) -> float:
+    return float(errors.chunks.sum()) / max(errors.samples, 1)

@@ -38,8 +38,8 @@ def notes_on(
                 f"{_sentence_start(hypothesis)} was left aside: {rejected.reason}"
             )
         notes += [
-            f"{h.physics} at {h.place} was added first and taken out again: beside "
-            "what was added later it does not predict left-out data better."
+            f"{_sentence_start(h)} was added first and taken out again: beside what "
+            "was added later it does not predict left-out data better."
             for h in found.removed
         ]
         for judged in wider_than_chosen(found, options):

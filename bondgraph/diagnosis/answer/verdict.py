@@ -114,8 +114,8 @@ def _more_missing(remaining: float) -> str:
     if remaining < MUCH_REMAINING:
         return ""
     return (
-        f" {100 * remaining:.0f} % of the error on left-out data remains: more is "
-        "missing than was found."
+        f" {100 * remaining:.0f} % of the error on left-out data remains: something is "
+        "missing beside it, or it only comes near to what is."
     )
 
 

@@ -29,6 +29,8 @@ NAMES = {
 WEAK = 0.25
 """An effect that explains less than this share of the error is called weak."""
 
+DIGITS = 1e-15
+"""A deviation below this share of a number lies beyond its last digit."""
 
 LONG = 6
 """Numbers with more digits before the point are told with a power of ten."""
@@ -50,7 +52,7 @@ def value_with_error(estimate: Estimate) -> str:
 def to_digits_of(value: float, std: float) -> str:
     """Return ``value ± std``, both to the second digit of the standard deviation."""
     size = max(abs(value), std)
-    if not (0.0 < std < math.inf and size < math.inf):
+    if not (DIGITS * abs(value) < std < math.inf and size < math.inf):
         return f"{value:.4g} ± {std:.2g}"
     power = math.floor(math.log10(size))
     if -4 <= power < LONG:

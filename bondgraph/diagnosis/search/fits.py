@@ -6,7 +6,7 @@ better starts; every candidate is refitted from relatives that fit better.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import attrgetter
 
 import numpy as np
@@ -23,6 +23,7 @@ from bondgraph.diagnosis.search.trying import (
     fit_on,
     fit_what_remembers,
 )
+from bondgraph.diagnosis.search.vanished import begun_again
 from bondgraph.diagnosis.work.journal import Plain
 from bondgraph.diagnosis.work.workers import Work
 from bondgraph.physics.hypothesis import Hypothesis
@@ -152,11 +153,29 @@ def _gone_on(bench: Bench, reached: list[Reached], most: int) -> list[Reached]:
         and one.hypothesis.physics != CURVE
     ][:most]
     trials = [one.as_start(with_states=True) for one in coming]
+    trials += _from_what_they_contain(reached)
     longer = bench.run(fit_on, trials, "longer fits", few=True)
     there = _reached(bench, zip([t.hypothesis for t in trials], longer, strict=True))
-    gone = {id(one.hypothesis) for one in there}
-    rest = [one for one in reached if id(one.hypothesis) not in gone]
-    return sorted([*there, *rest], key=lambda one: -one.reduction)
+    best: dict[int, _Reached] = {}
+    for one in (*there, *reached):
+        known = best.setdefault(id(one.hypothesis), one)
+        if one.reduction > known.reduction:
+            best[id(one.hypothesis)] = one
+    return sorted(best.values(), key=lambda one: -one.reduction)
+
+
+def _from_what_they_contain(reached: Sequence[_Reached]) -> list[Trial]:
+    """Return fits of laws that are behind one that they contain, begun where it ended.
+
+    With nothing added they are as good, and can only gain from there.
+    """
+    return [
+        Trial(wide.hypothesis, narrow.as_start(with_states=True).starts)
+        for wide in reached
+        for narrow in reached
+        if wide.reduction < narrow.reduction
+        and wide.hypothesis.contains(narrow.hypothesis)
+    ]
 
 
 def _related(
@@ -165,12 +184,12 @@ def _related(
     """Return the candidates, each refitted from relatives that fit better.
 
     Laws that contain the leading one are tried from its optimum, even where they were
-    not kept.
+    not kept; a law that its fit has let go of begins again with an effect.
     """
     if not candidates:
         return []
     trials = [
-        Trial(own.hypothesis, (_from_relative(own, other),))
+        Trial(own.hypothesis, _from_relative(own, other))
         for own in candidates
         for other in candidates
         if other.cost < RELATIVE_BETTER * own.cost and _akin(own, other)
@@ -182,6 +201,7 @@ def _related(
     ][:WIDER]
     there = Start.where_ended(leading.fitted)
     trials += [Trial(hypothesis, (there,)) for hypothesis in wider]
+    trials += begun_again(candidates)
     if not trials:
         return candidates
     refitted = bench.candidates(trials, bench.run(fit_fully, trials, "relatives"))
@@ -208,8 +228,12 @@ def _shared(other: Candidate) -> dict[str, float]:
     return dict(zip(names, map(float, other.fitted.optimum.theta), strict=True))
 
 
-def _from_relative(own: Candidate, other: Candidate) -> Start:
-    """Return a start at the other's values, with the own ones where they differ."""
+def _from_relative(own: Candidate, other: Candidate) -> tuple[Start, ...]:
+    """Return starts at the other's values, with the own ones where they differ.
+
+    And where the other is contained in it, with its additions at none: what it has
+    become on its own way need not suit, and from there it cannot end worse.
+    """
     shared = {**_shared(own), **_shared(other)}
     twins = zip(own.hypothesis.parameters, other.hypothesis.parameters, strict=False)
     for name, twin in twins:
@@ -217,4 +241,11 @@ def _from_relative(own: Candidate, other: Candidate) -> Start:
         if name != twin and own.fitted.graph.parameters[name].unit == "1":
             shared[name] = shared[twin]
     problem = other.fitted.problem
-    return Start(shared, other.fitted.optimum.initial, problem.solver)
+    starts = [Start(shared, other.fitted.optimum.initial, problem.solver)]
+    if own.hypothesis.contains(other.hypothesis):
+        added = set(own.hypothesis.strengths) - set(other.hypothesis.parameters)
+        starts += [
+            replace(starts[0], values={**shared, **{n: silent[n] for n in added}})
+            for silent in own.hypothesis.silent_starts[:1]
+        ]
+    return tuple(starts)

@@ -11,6 +11,7 @@ import numpy as np
 from bondgraph.diagnosis.answer.showing import simulate_whole
 from bondgraph.diagnosis.evidence.left_out import MOST_CHUNKS
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.fitting.automatic import remembered
 from bondgraph.fitting.estimate import (
     FitSettings,
     FittedModel,
@@ -40,7 +41,8 @@ def search_settings(
 
     A plant on which errors accumulate is cut into as many windows as there are chunks:
     long enough that what is missing stands out of the noise, and independent, so that
-    drift within one window says nothing about another.
+    drift within one window says nothing about another. An unstable plant is cut into
+    more, over which a fit can hold on to it.
     """
     if not isinstance(settings.horizon, Automatic):
         return settings
@@ -48,7 +50,8 @@ def search_settings(
     horizon: Horizon = WholeRecordings()
     if model.n_states and accumulates(graph, model, recordings, settings):
         samples = sum(len(recording) for recording in recordings) // MOST_CHUNKS
-        horizon = Windows(max(samples, SHORTEST))
+        samples = max(samples, SHORTEST)
+        horizon = Windows(remembered(graph, model, recordings, settings, samples))
     return replace(settings, horizon=horizon)
 
 

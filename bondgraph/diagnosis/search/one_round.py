@@ -28,6 +28,7 @@ from bondgraph.diagnosis.search.fits import fit_best, fit_remembering
 from bondgraph.diagnosis.search.memory import remembering
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.screening import screen
+from bondgraph.diagnosis.search.vanished import without_vanished
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import Hypothesis
@@ -194,14 +195,15 @@ def _judged(
     order: Mapping[tuple[str, ...], int],
     tried: float,
 ) -> "_Look":
-    """Judge what is material, determined by the data, and remembers where it must.
+    """Judge what is material, there, determined, and remembers where it must.
 
     In the order of proposal: of twins the first is told.
     """
     base, recordings, rule = setting.base, setting.recordings, setting.options.rule
     least = rule.materiality / 2
     material = [c for c in fitted if c.reduction(base) >= least]
-    known, undetermined = determined(base, material)
+    there, vanished = without_vanished(material)
+    known, undetermined = determined(base, there)
     worth, forgetful = remembering(base, known, recordings)
     worth.sort(key=lambda candidate: order[candidate.hypothesis.told_by])
     before = simulate_whole(base, recordings).score.nrmse
@@ -212,7 +214,7 @@ def _judged(
         return not after > RUINED * before
 
     verdicts = judge_all(bench, worth, tried, rule, setting.noise, holds)
-    return _Look(verdicts, (*undetermined, *forgetful))
+    return _Look(verdicts, (*vanished, *undetermined, *forgetful))
 
 
 @dataclass(frozen=True, slots=True)

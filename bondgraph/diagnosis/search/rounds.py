@@ -1,15 +1,17 @@
 """The search: physics is added one piece at a time until nothing more is supported.
 
 Each round hands the improved model on. What an addition makes needless is taken out
-again; an addition that leaves nothing of what was there is its rival, and is given up.
+again. An addition that leaves nothing of what was there is its rival, and is given up,
+but where it does far better in its place; so does what would add too little beside it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE, beside_earlier
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.between_samples import (
@@ -18,6 +20,7 @@ from bondgraph.diagnosis.search.between_samples import (
     simulated_as,
 )
 from bondgraph.diagnosis.search.beyond_noise import left_beside, within
+from bondgraph.diagnosis.search.exchange import Exchanged, Reached, exchanged
 from bondgraph.diagnosis.search.one_round import (
     Round,
     Setting,
@@ -31,6 +34,7 @@ from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.structure.parameters import Parameter
 
 Array = NDArray[np.float64]
 
@@ -67,20 +71,17 @@ def search(
         setting = Setting(current, recordings, noise, options, number, added, much)
         found = one_round(setting, shop)
         done = shop.limit.undone
-        made = (found,) if found.chosen else two_rounds(setting, found, shop)
+        shop.progress(f"round {number}: trying without what was added before")
+        reached = Reached(base, current, added, noise)
+        found, fitted, added = _made(reached, found, authored, options.rule)
+        made: tuple[Round, ...] = (found,)
+        if found.chosen is None:
+            made, fitted, added = _two_made(setting, reached, found, authored, shop)
         if not made:
             short = found.cut_short or shop.limit.undone > done
             return [*rounds, replace(found, cut_short=short)]
-        candidates = chosen_in(made)
-        added = (*added, *(candidate.hypothesis for candidate in candidates))
-        shop.progress(f"round {number}: trying without what was added before")
-        left = pruned(base, current, candidates[-1].fitted, added, options.rule)
-        if rounds:
-            lost = swallowed(current, left.fitted, left.kept[:-1], authored)
-            if lost is not None:
-                return [*rounds, _given_up(found, lost)]
-        rounds += [*made[:-1], replace(made[-1], removed=left.removed)]
-        current, added = finely_stepped(left.fitted, noise), left.kept
+        rounds += made
+        current = finely_stepped(fitted, noise)
         if options.either_hold:
             current = held_as_fits(current)
         now = current.problem
@@ -89,6 +90,72 @@ def search(
         gains += [one.chosen.gain.value for one in made if one.chosen is not None]
         if beside_earlier(gains)[-1] < MERE_SHAPE:
             return [*rounds, Round(current)]
+
+
+def _made(
+    reached: Reached, found: Round, authored: Mapping[str, Parameter], rule: Rule
+) -> tuple[Round, FittedModel, tuple[Hypothesis, ...]]:
+    """Return the round as it is made, the model after it and what that has.
+
+    What was chosen is added, takes an earlier one's place or is given up.
+    """
+    newcomers = found.judged
+    if found.chosen is not None:
+        candidate = found.chosen.candidate
+        together = (*reached.added, candidate.hypothesis)
+        left = pruned(reached.first, reached.current, candidate.fitted, together, rule)
+        lost = None
+        if reached.added:
+            lost = swallowed(reached.current, left.fitted, left.kept[:-1], authored)
+        if lost is None:
+            return replace(found, removed=left.removed), left.fitted, left.kept
+        newcomers, found = (found.chosen,), _given_up(found, lost)
+    instead = None
+    if not found.cut_short:
+        instead = exchanged(reached, newcomers, found.tried, rule)
+    if instead is None:
+        return found, reached.current, reached.added
+    return _in_place(found, instead), instead.fitted, instead.kept
+
+
+def _two_made(
+    setting: Setting,
+    reached: Reached,
+    found: Round,
+    authored: Mapping[str, Parameter],
+    shop: Workshop,
+) -> tuple[tuple[Round, ...], FittedModel, tuple[Hypothesis, ...]]:
+    """Return the same where two laws are added at once; no rounds where none are."""
+    two, rule = two_rounds(setting, found, shop), setting.options.rule
+    if two:
+        candidates = chosen_in(two)
+        together = (*reached.added, *(one.hypothesis for one in candidates))
+        both = candidates[-1].fitted
+        left = pruned(reached.first, reached.current, both, together, rule)
+        lost = None
+        if reached.added:
+            lost = swallowed(reached.current, left.fitted, left.kept[:-1], authored)
+        if lost is None:
+            made = (*two[:-1], replace(two[-1], removed=left.removed))
+            return made, left.fitted, left.kept
+    return (), reached.current, reached.added
+
+
+def _in_place(found: Round, instead: Exchanged) -> Round:
+    """Return the round with the law that has taken an earlier one's place."""
+    new = instead.better
+    others = (
+        j
+        for j in found.judged
+        if j.candidate.hypothesis is not new.candidate.hypothesis
+    )
+    return replace(
+        found,
+        judged=(new, instead.rival, *others),
+        chosen=new,
+        probability=instead.probability,
+        removed=(instead.rival.candidate.hypothesis,),
+    )
 
 
 def _given_up(found: Round, lost: str) -> Round:

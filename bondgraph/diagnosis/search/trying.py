@@ -22,7 +22,7 @@ from bondgraph.diagnosis.search.score_test import score_test
 from bondgraph.diagnosis.search.steps import faithful
 from bondgraph.diagnosis.search.surrogates import Baseline
 from bondgraph.diagnosis.work.journal import Plain
-from bondgraph.errors import BondGraphError
+from bondgraph.errors import BondGraphError, EquationError
 from bondgraph.fitting.estimate import FittedModel, first_guess
 from bondgraph.fitting.levenberg_marquardt import (
     Optimum,
@@ -41,6 +41,7 @@ LONGER = 15
 FULL_ITERATIONS = 30
 SETTLE_ITERATIONS = 4
 TOLERANCE = 1e-4
+UNSOLVED = "the model's equations have no unique solution with it there"
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,11 +150,16 @@ def fit_fully(base: FittedModel, trial: Trial) -> Plain:
 
 
 def _or_refused(work: Any) -> Plain:
-    """Return what the work gives, or why it is refused: one of many may fail."""
+    """Return what the work gives, or why it is refused: one of many may fail.
+
+    The law is not the user's: neither its formula nor a way to write it better helps.
+    """
     try:
         result: Plain = work()
+    except EquationError:
+        return {"refused": UNSOLVED}
     except BondGraphError as error:
-        return {"refused": str(error)}
+        return {"refused": error.problem}
     return result
 
 

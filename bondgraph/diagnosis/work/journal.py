@@ -73,15 +73,28 @@ class Journal:
 
     def put(self, key: str, result: Plain) -> Plain:
         """Keep a result, and return it as it will be read when the work goes on."""
-        line = json.dumps({"key": key, "by": sources(), "result": result})
-        if self.directory is not None:
-            try:
-                self._append(line.encode() + b"\n")
-            except OSError as error:
-                raise self._refused(error) from error
+        line = _line(key, result)
         kept: Plain = json.loads(line)["result"]
         self._known[key] = kept
+        if self.directory is not None:
+            try:
+                self._append(line)
+            except FileNotFoundError:
+                self._begun_anew()
+            except OSError as error:
+                raise self._refused(error) from error
         return kept
+
+    def _begun_anew(self) -> None:
+        """Write all that is known, where somebody has emptied the cache meanwhile."""
+        assert self.directory is not None
+        try:
+            self.directory.mkdir(parents=True, exist_ok=True)
+            self._append(
+                b"".join(_line(k, result) for k, result in self._known.items())
+            )
+        except OSError as error:
+            raise self._refused(error) from error
 
     def _append(self, line: bytes) -> None:
         """Add a line in one write, so that lines of two processes do not mix."""
@@ -100,6 +113,12 @@ class Journal:
             (name,),
             "Name a directory that may be written to.",
         )
+
+
+def _line(key: str, result: Plain) -> bytes:
+    """Return a result as a line of the file."""
+    entry = {"key": key, "by": sources(), "result": result}
+    return json.dumps(entry).encode() + b"\n"
 
 
 @cache

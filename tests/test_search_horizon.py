@@ -1,0 +1,46 @@
+"""The windows of a search: many, and over which a fit can hold on to the machine."""
+
+import numpy as np
+import pytest
+import sympy
+
+from bondgraph import BondGraph, C, I, R, Recording, Se, bind_to, q
+from bondgraph.diagnosis.search.horizons import search_settings
+from bondgraph.fitting.estimate import FitSettings
+from bondgraph.fitting.horizon import WholeRecordings, Windows
+
+SAMPLES = 4800
+
+
+def collar(stiffness):
+    """Return a levitated collar, whose magnets push it from the middle or pull."""
+    g = BondGraph("collar", domain="translation")
+    pull = C("magnet", law=sympy.Symbol("stiffness") * q)
+    g.one("collar", Se("force"), I("mass"), R("loss"), pull)
+    g.measure("gap", displacement="collar")
+    g.parameter("mass", 2.0, "kg", std=0.0)
+    g.parameter("loss", 20.0, "N*s/m", bounds=(0, 1000))
+    g.parameter("stiffness", stiffness, "N/m")
+    return g.finish()
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "horizon"),
+    [
+        # It runs away by a factor of e every 2 ms: a million times in 56 samples.
+        (-5e5, Windows(25)),
+        (-5e2, Windows(200)),
+        (0.0, Windows(200)),
+        (5e5, WholeRecordings()),
+    ],
+)
+def test_an_unstable_machine_is_cut_into_windows_that_hold(stiffness, horizon):
+    graph = collar(stiffness)
+    random = np.random.default_rng(1)
+    channels = {
+        "force": (random.standard_normal(SAMPLES), "N"),
+        "gap": (1e-4 * random.standard_normal(SAMPLES), "m"),
+    }
+    time = 5e-4 * np.arange(SAMPLES)
+    recording = bind_to(graph, Recording.from_arrays("run", time, channels))
+    assert search_settings(graph, [recording], FitSettings()).horizon == horizon
