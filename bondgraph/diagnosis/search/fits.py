@@ -91,7 +91,7 @@ def fit_best(
 
 
 @dataclass(frozen=True, slots=True)
-class Reached:
+class ShortFit:
     """What a short fit has come to: the share of the base's cost that it takes away."""
 
     reduction: float
@@ -108,18 +108,20 @@ class Reached:
 
 def _reached(
     bench: Bench, results: Iterable[tuple[Hypothesis, Plain]]
-) -> list[Reached]:
+) -> list[ShortFit]:
     """Return what short fits have come to, the best first, without those refused."""
     cost = bench.few.optimum.cost
     found = [
-        Reached(1.0 - result["cost"] / cost, hypothesis, result)
+        ShortFit(1.0 - result["cost"] / cost, hypothesis, result)
         for hypothesis, result in results
         if "refused" not in result
     ]
     return sorted(found, key=lambda one: -one.reduction)
 
 
-def _with_narrower(kept: Sequence[Reached], others: Sequence[Reached]) -> list[Reached]:
+def _with_narrower(
+    kept: Sequence[ShortFit], others: Sequence[ShortFit]
+) -> list[ShortFit]:
     """Return those kept, and of the others what a kept law contains.
 
     Whether the additions of a wider law are needed is seen beside the narrower one.
@@ -132,13 +134,13 @@ def _with_narrower(kept: Sequence[Reached], others: Sequence[Reached]) -> list[R
     return [*kept, *narrower]
 
 
-def _lead(reached: Sequence[Reached]) -> float:
+def _lead(reached: Sequence[ShortFit]) -> float:
     """Return the largest reduction by a law with a name."""
     named = (one.reduction for one in reached if one.hypothesis.physics != CURVE)
     return max(named, default=-np.inf)
 
 
-def _gone_on(bench: Bench, reached: list[Reached], most: int) -> list[Reached]:
+def _gone_on(bench: Bench, reached: list[ShortFit], most: int) -> list[ShortFit]:
     """Return them again, those gone on that were stopped on their way to the lead.
 
     Of two laws fitted briefly the one that has more to learn is behind, the right one
@@ -156,7 +158,7 @@ def _gone_on(bench: Bench, reached: list[Reached], most: int) -> list[Reached]:
     trials += _from_what_they_contain(reached)
     longer = bench.run(fit_on, trials, "longer fits", few=True)
     there = _reached(bench, zip([t.hypothesis for t in trials], longer, strict=True))
-    best: dict[int, _Reached] = {}
+    best: dict[int, ShortFit] = {}
     for one in (*there, *reached):
         known = best.setdefault(id(one.hypothesis), one)
         if one.reduction > known.reduction:
@@ -164,7 +166,7 @@ def _gone_on(bench: Bench, reached: list[Reached], most: int) -> list[Reached]:
     return sorted(best.values(), key=lambda one: -one.reduction)
 
 
-def _from_what_they_contain(reached: Sequence[_Reached]) -> list[Trial]:
+def _from_what_they_contain(reached: Sequence[ShortFit]) -> list[Trial]:
     """Return fits of laws that are behind one that they contain, begun where it ended.
 
     With nothing added they are as good, and can only gain from there.

@@ -13,7 +13,7 @@ from itertools import combinations
 from bondgraph.diagnosis.evidence.judging import first_twin
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import CURVE, Candidate, Promised
-from bondgraph.diagnosis.search.fits import Reached, fit_best
+from bondgraph.diagnosis.search.fits import ShortFit, fit_best
 from bondgraph.diagnosis.search.trying import (
     Start,
     Trial,
@@ -139,7 +139,7 @@ class Pairing:
         bench = self.beside[id(start.first)]
         same = few or bench.few.problem.shots is bench.base.problem.shots
         finer = bench.base.problem.solver.substeps // bench.few.problem.solver.substeps
-        reached = Reached(0.0, start.second.hypothesis, start.result)
+        reached = ShortFit(0.0, start.second.hypothesis, start.result)
         trials = [reached.as_start(with_states=same, finer=1 if few else finer)]
         results = bench.run(work, trials, "longer fits" if few else "fits", few=few)
         return _kept(start.first, start.second, trials, results)
