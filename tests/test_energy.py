@@ -139,6 +139,50 @@ def test_what_has_no_closed_form_stays_an_integral_and_is_true() -> None:
     assert float(slope) == pytest.approx(float(law.subs({k: 1.3, q: 0.7})))
 
 
+LAWS = {
+    "the larger of two": (sympy.Max(q - a, 2 * q - b), EnergyForm.INTEGRAL),
+    "at least a number": (sympy.Max(a, q), EnergyForm.INTEGRAL),
+    "at most a number": (sympy.Min(b, q), EnergyForm.INTEGRAL),
+    "a modulus and a sign": (
+        sympy.Abs(q) * sympy.sign(q - a),
+        EnergyForm.INTEGRAL,
+    ),
+    "a wave in a modulus": (
+        k * sympy.exp(sympy.Abs(sympy.sin(q))),
+        EnergyForm.INTEGRAL,
+    ),
+    "pieces": (
+        sympy.Piecewise((k * q, q < a), (2 * k * q, True)),
+        EnergyForm.INTEGRAL,
+    ),
+    "a step up at a place": (k * sympy.sign(q - a) + q, EnergyForm.CLOSED),
+    "a cube of a modulus": (k * sympy.Abs(q) ** 3, EnergyForm.CLOSED),
+    "a modulus elsewhere": (sympy.Abs(a * q - b), EnergyForm.CLOSED),
+    "a stop that hardens": (k * sympy.Max(0, q - a) ** 2, EnergyForm.CLOSED),
+    "a wave of some length": (k * sympy.cos(a * q), EnergyForm.CLOSED),
+    "a diode": (k * (sympy.exp(b * q) - 1), EnergyForm.CLOSED),
+    "infinite at nothing": (k / q**2, EnergyForm.CLOSED),
+}
+
+
+@pytest.mark.parametrize(("law", "form"), LAWS.values(), ids=LAWS)
+def test_an_energy_has_its_law_as_slope_and_is_none_where_empty(
+    law: sympy.Expr, form: EnergyForm
+) -> None:
+    element = C("s", law=law)
+    function = energy_function(element, Laws(graph_with(element)))
+    assert (function.form, function.variables) == (form, (q,))
+    assert function.reads_stored
+    numbers = {k: 1.3, a: 0.4, b: 1.1}
+    whole = sympy.lambdify(q, function.expression.subs(numbers), ["scipy", "numpy"])
+    assert whole(float(function.empty)) == pytest.approx(0.0, abs=1e-12)
+    for place in (0.2, 0.7, 1.9):
+        step = 1e-4
+        slope = (whole(place + step) - whole(place - step)) / (2 * step)
+        expected = float(law.subs({**numbers, q: place}))
+        assert slope == pytest.approx(expected, rel=1e-4)
+
+
 def test_turning_arrows_leaves_energy_and_powers_as_they_are() -> None:
     def made(turned: bool) -> FinishedGraph:
         graph = BondGraph("drive")
