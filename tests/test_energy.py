@@ -374,3 +374,50 @@ def test_equations_of_another_model_are_refused() -> None:
         signal_values(
             graph.finish(), derive(graph_with(I("m"))), [displacement("wheel")]
         )
+
+
+def test_the_residual_is_what_the_storages_do_not_take() -> None:
+    """Power in from sources and from outside, less what is lost and what is stored."""
+    graph = BondGraph("parametric spring")
+    spring = C("spring", law=k * displacement("wheel") * q)
+    graph.one("mass", Se("force"), I("m"), spring, R("rub"))
+    graph.one("wheel", Sf("turn"), R("r"))
+    balance = energy(graph.finish()).in_states()
+    assert agree(balance.residual, sympy.S.Zero)
+
+
+def test_a_node_whose_power_is_not_shown_to_vanish_is_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(PowerProof, "__call__", lambda *_: False)
+    balance = energy(graph_with(I("m")))
+    assert balance.status is BalanceStatus.PARTLY_SHOWN
+    assert balance.unproven == ("port",)
+
+
+def test_one_law_that_is_infinite_at_nothing_moves_the_begin_of_all() -> None:
+    one, two = ports("q", 2)
+    field = CField.from_energy("gas", k * sympy.log(one) + a * two**2 / 2)
+    graph = BondGraph("vapour")
+    graph.one("first", Se("u"), R("r"))
+    graph.one("second", Se("v"), R("g"))
+    graph.put(field, on=("first", "second"))
+    function = energy_function(field, Laws(graph.finish()))
+    assert function.empty == 1
+    # From one at both ports.
+    expected = k * sympy.log(one) + a * (two**2 - 1) / 2
+    assert agree(sympy.expand_log(function.expression.doit(), force=True), expected)
+
+
+def test_a_stiffness_that_follows_an_input_exchanges_the_power_of_its_rate() -> None:
+    graph = BondGraph("tuned spring")
+    spring = C("spring", law=k * flow("wheel") * q)
+    graph.one("mass", Se("force"), I("m"), spring)
+    graph.one("wheel", Sf("turn"), R("r"))
+    finished = graph.finish()
+    balance = energy(finished).in_states()
+    assert same(time_derivative(balance.total, finished), balance.rate)
+    (rate,) = [
+        x for x in balance.rate.free_symbols if x in balance.equations.input_rates
+    ]
+    assert agree(balance.rate.coeff(rate), k * expression("q_spring**2/2"))

@@ -252,3 +252,30 @@ def test_latex_shows_the_integrals() -> None:
     driven = BondGraph("cart")
     driven.one("mass", Se("u"), I("m"))
     assert "no first integral" in invariants(driven.finish()).as_latex()
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_an_arrow_that_is_turned_turns_no_content(turned: bool) -> None:
+    """Two charges on one loop: what one gains the other does, or loses."""
+    graph = BondGraph("loop")
+    graph.one("loop", I("l"), C("c1"))
+    graph.zero("plate", C("c2"))
+    graph.join(*(("plate", "loop") if turned else ("loop", "plate")))
+    (charge,) = invariants(graph.finish()).first_integrals
+    same_way = expression("q_c2 - q_c1")
+    other_way = expression("q_c2 + q_c1")
+    expected = other_way if turned else same_way
+    assert agree(charge.expression**2, expected**2)
+
+
+def test_a_measured_integral_takes_part_with_its_sign() -> None:
+    """The way of the mass and the charge that follows it through a gyrator."""
+    graph = BondGraph("moving coil")
+    graph.one("mass", Se("push"), I("m"), R("rub"))
+    graph.one("circuit", R("r"), I("l"))
+    graph.join("mass", GY("k"), "circuit")
+    graph.measure("x", displacement="rub")
+    finished = graph.finish()
+    found = invariants(finished)
+    for integral in found.first_integrals:
+        assert same(rate(integral.expression, finished), sympy.S.Zero)

@@ -293,3 +293,53 @@ def test_a_source_may_have_the_name_of_a_parameter() -> None:
     form = port_hamiltonian(graph.finish())
     assert form.inputs == ("force", "weight_")
     assert agree(form.input_values["weight_"], expression("-9.81*weight"))
+
+
+def test_a_feedthrough_is_shown_beside_the_gain() -> None:
+    graph = BondGraph("rc")
+    graph.one("loop", Se("u"), R("r"), C("c"))
+    assert r"\left(" in port_hamiltonian(graph.finish()).as_latex()
+    graph = BondGraph("cart")
+    graph.one("mass", Se("force"), I("m"), R("b"))
+    shown = port_hamiltonian(graph.finish()).as_latex()
+    assert " - " not in shown.split("u", maxsplit=1)[0].split("+")[-1]
+
+
+@pytest.mark.parametrize(
+    ("mutual", "passive"), [(0.5, True), (1.5, False), (-1.5, False)]
+)
+def test_a_field_is_passive_where_its_matrix_is(mutual: float, passive: bool) -> None:
+    """The symmetric part of [[1, 2m], [0, 1]] is positive as long as |m| <= 1."""
+    graph = BondGraph("rubbing plates")
+    graph.one("left", Se("force"), I("m1"))
+    graph.one("right", I("m2"))
+    losses = RField.from_matrix("losses", [[1, 2 * sympy.Rational(mutual)], [0, 1]])
+    graph.put(losses, on=("left", "right"))
+    form = port_hamiltonian(graph.finish())
+    assert form.exists
+    assert form.dissipation["losses"].shape == (2, 2)
+    assert form.is_passive is passive
+
+
+def test_a_field_without_losses_of_its_own_has_the_form() -> None:
+    """[[0, r], [-r, 0]] is a gyrator in other words."""
+    graph = BondGraph("two wheels")
+    graph.one("left", Se("force"), I("m1"), R("rub"))
+    graph.one("right", I("m2"), C("c"))
+    turn = sympy.Symbol("turn")
+    graph.put(
+        RField.from_matrix("field", [[0, turn], [-turn, 0]]), on=("left", "right")
+    )
+    graph.parameter("rub", 1.0, "1")
+    finished = graph.finish()
+    form = port_hamiltonian(finished)
+    check(finished, form)
+    assert form.is_passive
+
+
+def test_heat_is_no_power_and_has_no_form() -> None:
+    graph = BondGraph("oven")
+    graph.zero("body", Sf("heating"), C("heat"), R("loss"), domain="thermal")
+    form = port_hamiltonian(graph.finish())
+    assert not form.exists
+    assert form.reasons == ("Effort times flow is no power in the thermal domain.",)

@@ -6,7 +6,12 @@ import sympy
 from catalogue import CASES, agree, expression
 
 from bondgraph import BondGraph, C, I, ParameterSet, R, Se, derive, linearise
-from bondgraph.equations.sensitivities import PoleStatus, sensitivities
+from bondgraph.equations.sensitivities import (
+    PoleStatus,
+    Sensitivity,
+    _lines,
+    sensitivities,
+)
 from bondgraph.errors import ParameterError
 from bondgraph.structure.parameters import Parameter
 
@@ -148,3 +153,16 @@ def test_missing_values_and_wrong_names_are_refused() -> None:
     found = sensitivities(transfer("lowerleg"), VALUES)
     with pytest.raises(ParameterError, match="does not depend on a parameter 'c'"):
         found.elasticity("c")
+
+
+def test_the_largest_effects_are_told_first() -> None:
+    row = Sensitivity(
+        name="gain",
+        value=2.0,
+        slopes={"a": 1.0, "b": -4.0, "c": 0.0, "d": 0.5},
+        elasticities={"a": 0.5, "b": -2.0, "c": 0.0, "d": 0.01},
+        std=None,
+        status=PoleStatus.SIMPLE,
+    )
+    told = [line.split()[-1] for line in _lines(row)[1:]]
+    assert told == ["b", "a", "d", "c"]

@@ -9,6 +9,7 @@ from catalogue import CASES, agree, expression, random_graph, somewhere
 
 from bondgraph import BondGraph, C, FinishedGraph, I, R, Se, Sf, derive, linearise
 from bondgraph.equations.descriptor import descriptor
+from bondgraph.equations.factors import Factor, PoleZeroGain
 from bondgraph.equations.linear import Form
 from bondgraph.equations.transfer_function import s
 from bondgraph.errors import BondGraphError, EquationError
@@ -241,3 +242,23 @@ def test_a_descriptor_solves_by_hand() -> None:
         form.transfer_function("inner").expression, expression("m2*s/((m1 + m2)*s + b)")
     )
     assert form.transfer_function("v").denominator_coefficients[0].has(s) is False
+
+
+def test_entries_are_counted_from_both_ends_and_no_further() -> None:
+    matrix = linearise(derive(CASES[0].graph())).transfer_matrix()
+    rows, columns = matrix.shape
+    assert matrix[-rows, -columns] is matrix[0, 0]
+    assert matrix[rows - 1, columns - 1] is matrix[-1, -1]
+    for row in (rows, -rows - 1):
+        with pytest.raises(EquationError, match="has no output"):
+            matrix[row, 0]
+
+
+def test_a_gain_is_in_front_as_it_is() -> None:
+    form = PoleZeroGain(
+        name="g",
+        gain=sympy.Integer(2),
+        zeros=(Factor((sympy.S.One, sympy.S.One), 1),),
+        poles=(),
+    )
+    assert form.expression.args == (2, s + 1)
