@@ -253,6 +253,7 @@ def test_a_spring_whose_stiffness_moves_exchanges_power() -> None:
     balance = energy(finished).in_states()
     (exchanged,) = balance.exchanged
     assert agree(exchanged.power, expression("k*q_spring**2*turn/2"))
+    assert exchanged.is_power
     assert same(time_derivative(balance.total, finished), balance.rate)
 
 

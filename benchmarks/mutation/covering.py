@@ -14,8 +14,8 @@ TESTS = tuple(
         "causality_words composition diagnosis_workers energy equations "
         "equations_exactly evidence evidence_exactly explicit_form fields "
         "flegx_models hard_contact hard_numbers implicit_route invariants jump "
-        "latex laws_turned_round linear_systems mechanics model_channels "
-        "model_text planar_leg port_hamiltonian search_rules sensitivities "
+        "kinks latex laws_turned_round linear_systems mechanics model_channels "
+        "model_text planar_leg port_hamiltonian port_laws search_rules sensitivities "
         "set_valued_friction sparse_jacobian steady_state transfer_matrix"
     ).split()
 )
