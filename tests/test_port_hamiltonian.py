@@ -343,3 +343,14 @@ def test_heat_is_no_power_and_has_no_form() -> None:
     form = port_hamiltonian(graph.finish())
     assert not form.exists
     assert form.reasons == ("Effort times flow is no power in the thermal domain.",)
+
+
+def test_a_field_of_which_a_part_follows_has_no_form() -> None:
+    graph = BondGraph("coupled coils")
+    graph.one("first", Se("u"), R("r1"))
+    graph.one("third", Sf("i"))
+    l1, l2, mutual = sympy.symbols("l1 l2 mutual")
+    coils = IField.from_matrix("coils", [[l1, mutual], [mutual, l2]])
+    graph.put(coils, on=("first", "third"))
+    form = port_hamiltonian(graph.finish())
+    assert form.reasons == ("Some ports of I 'coils' are states and some follow.",)

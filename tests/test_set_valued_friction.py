@@ -414,6 +414,7 @@ def test_chains_of_rubbing_masses_shaken_by_noise_are_followed(kind):
         (sympy.Symbol("mu", real=True) * sympy.sign(2 * f - V0) + f, True),
         ((2 * f - V0) * sympy.sign(2 * f - V0), False),
         (f * sympy.sign(f), False),
+        (f + sympy.sign(f) ** 2, False),
         (sympy.sign(f**2 - 1), False),
     ],
     ids=str,

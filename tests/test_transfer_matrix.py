@@ -7,7 +7,7 @@ import pytest
 import sympy
 from catalogue import CASES, agree, expression, random_graph, somewhere
 
-from bondgraph import BondGraph, C, FinishedGraph, I, R, Se, Sf, derive, linearise
+from bondgraph import BondGraph, C, FinishedGraph, I, R, Se, Sf, derive, f, linearise
 from bondgraph.equations.descriptor import descriptor
 from bondgraph.equations.factors import Factor, PoleZeroGain
 from bondgraph.equations.linear import Form
@@ -262,3 +262,35 @@ def test_a_gain_is_in_front_as_it_is() -> None:
         poles=(),
     )
     assert form.expression.args == (2, s + 1)
+
+
+def test_the_coefficients_have_no_number_in_common_and_numbers_lead_with_one() -> None:
+    graph = BondGraph("cart")
+    graph.one("body", Se("push"), I("m"), R("rub", law=2 * sympy.Symbol("b") * f))
+    graph.measure("v", flow="body")
+    finished = graph.finish()
+    form = linearise(derive(finished)).transfer_function()
+    b, m = sympy.symbols("b m", real=True)
+    assert form.denominator_coefficients == (m, 2 * b)
+    heavy = BondGraph("heavy cart")
+    law = sympy.Symbol("m") * f * 3
+    heavy.one("body", Se("push"), I("i", law=law), R("rub", law=2 * f))
+    heavy.measure("v", flow="body")
+    form = linearise(derive(heavy.finish())).transfer_function()
+    assert form.denominator_coefficients == (3 * m, 2)
+    numbers = BondGraph("numbers")
+    numbers.one("body", Se("push"), I("i", law=4 * f), R("rub", law=2 * f))
+    numbers.measure("v", flow="body")
+    form = linearise(derive(numbers.finish())).transfer_function()
+    assert form.denominator_coefficients == (1, sympy.Rational(1, 2))
+    assert form.numerator_coefficients == (sympy.Rational(1, 4),)
+
+
+def test_a_refusal_is_about_the_name_that_was_given_or_the_model() -> None:
+    system = linearise(derive(two_tanks()))
+    with pytest.raises(EquationError, match="say which one") as told:
+        system.transfer_function(input="in_left")
+    assert told.value.about == ("two tanks",)
+    with pytest.raises(EquationError, match="no output 'lw'") as told:
+        system.transfer_function("lw", "in_left")
+    assert told.value.about == ("lw",)
