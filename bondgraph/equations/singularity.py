@@ -99,10 +99,11 @@ def _undetermined(matrix: list[Row]) -> list[int]:
     for i, full in enumerate(matrix):
         row = dict(full)
         for symbol, pivot in pivots.items():
-            if symbol in row:
-                factor = row.pop(symbol)
-                for other, value in pivot.items():
-                    row[other] = row.get(other, _Sum(0.0, 0.0)) - factor * value
+            factor = row.pop(symbol, None)
+            if factor is None or factor == 0:
+                continue
+            for other, value in pivot.items():
+                row[other] = row.get(other, _Sum(0.0, 0.0)) - factor * value
         left = {s: x for s, x in row.items() if x != 0}
         if not left:
             defective.append(i)
