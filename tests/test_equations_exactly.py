@@ -176,8 +176,9 @@ def test_a_row_that_others_say_already_is_undetermined():
     assert undetermined(*rows[:2], {u: 4.0, v: -1.0, w: 0.6}) == []
     assert undetermined({u: 1e-200, v: 1e-200}, {u: 1.0, v: 1.0}) == [1]
     # What rounding leaves of a difference is nothing, however small the rest is.
-    assert undetermined({u: 0.1, v: 0.3}, {u: 0.7, v: 2.1}) == [1]
-    assert undetermined({u: 0.1, v: 0.3}, {v: 1.0, w: 1.0}, {u: 0.7, v: 2.1}) == [2]
+    assert undetermined({u: 0.7, v: 0.3}, {u: 11 * 0.7, v: 11 * 0.3}) == [1]
+    eleven = {u: 11 * 0.7, v: 11 * 0.3}
+    assert undetermined({u: 0.7, v: 0.3}, {v: 1.0, w: 1.0}, eleven) == [2]
     rounded = _Sum(0.1, 0.1) * _Sum(3.0, 3.0) - _Sum(0.3, 0.3)
     assert rounded.value != 0.0
     assert _undetermined([{u: rounded}]) == [0]
