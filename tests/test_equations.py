@@ -440,3 +440,12 @@ def test_a_moving_modulus_gives_its_own_force() -> None:
     assert TF  # the case's arm is a TF whose modulus reads a displacement
     assert displacement("crank") in graph.node("arm").modulus.free_symbols
     assert q not in graph.node("arm").modulus.free_symbols
+
+
+@every_case
+def test_what_is_only_another_name_is_no_assignment(case: Case) -> None:
+    for assignment in derive(case.graph()).assignments:
+        expression = assignment.expression
+        assert not expression.is_Symbol
+        assert not (-expression).is_Symbol
+        assert not expression.is_number

@@ -14,7 +14,7 @@ from bondgraph.equations.factors import Factor, factored, monic, polynomial, pro
 from bondgraph.equations.inversion import _by_cosh, _is_squared_tanh
 from bondgraph.equations.pieces import joints_of
 from bondgraph.equations.singularity import _Sum, _undetermined
-from bondgraph.equations.stored_energy import _antiderivative
+from bondgraph.equations.stored_energy import _antiderivative, _vanishes
 from bondgraph.equations.transfer_function import s
 
 x, y, a, b, c = sympy.symbols("x y a b c", real=True)
@@ -119,6 +119,9 @@ def test_the_roots_of_a_factor_are_where_it_is_nothing():
         assert len(factor.roots) == factor.degree
         for root in factor.roots:
             assert at(factor.expression, at(root, 0)) == pytest.approx(0, abs=1e-12)
+        # All of them, so that their product is what stands without s.
+        last = sympy.Mul(*(-root for root in factor.roots)) - factor.coefficients[-1]
+        assert at(last, 0) == pytest.approx(0, abs=1e-12)
     assert Factor((sympy.S.One, a, b, c), 1).roots == ()
 
 
@@ -204,3 +207,15 @@ def test_what_is_too_long_to_factor_is_one_factor_and_the_same_polynomial(monkey
     assert sympy.expand(together - whole) == 0
     monkeypatch.setattr(factors, "MOST_TERMS", 4)
     assert len(factored(coefficients)[1]) == 3
+
+
+def test_what_vanishes_does_so_for_either_sign_of_what_varies():
+    for zero in (x - x, (x + 1) ** 2 - x**2 - 2 * x - 1, cosh(x) ** 2 - 1):
+        varied = zero - (sympy.sinh(x) ** 2 if zero.has(cosh) else 0)
+        assert _vanishes(varied, (x,))
+    assert not _vanishes(x + 1 - x - Rational(1, 10**6), (x,))
+    assert not _vanishes(sin(x) - x + x**3 / 6, (x,))
+    # Parameters are positive, what is stored is not.
+    assert _vanishes(Abs(a) - a, (x,))
+    assert not _vanishes(Abs(x) - x, (x,))
+    assert not _vanishes(a * (Abs(x) - x), (x,))

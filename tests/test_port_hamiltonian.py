@@ -15,7 +15,7 @@ from bondgraph.structure.builder import BondGraph
 from bondgraph.structure.elements import GY, TF, C, I, R, Se, Sf
 from bondgraph.structure.fields import CField, IField, RField
 from bondgraph.structure.graph import FinishedGraph
-from bondgraph.structure.signals import displacement, f, ports, q
+from bondgraph.structure.signals import displacement, effort, f, ports, q
 
 a, b = sympy.symbols("a b", real=True)
 
@@ -355,3 +355,20 @@ def test_a_field_of_which_a_part_follows_has_no_form() -> None:
     graph.put(coils, on=("first", "third"))
     form = port_hamiltonian(graph.finish())
     assert form.reasons == ("Some ports of I 'coils' are states and some follow.",)
+
+
+def test_a_modulus_may_read_what_a_loop_of_resistances_gives() -> None:
+    k = sympy.Symbol("k")
+    graph = BondGraph("field winding behind a divider")
+    graph.one("supply", Se("u"), R("r1"))
+    graph.zero("divider", R("r2"))
+    graph.one("coil", I("l"))
+    graph.one("shaft", I("j"), R("rub"))
+    graph.join("supply", "divider")
+    graph.join("divider", "coil")
+    graph.join("coil", GY("motor", law=k * effort("divider")), "shaft")
+    finished = graph.finish()
+    form = port_hamiltonian(finished)
+    check(finished, form)
+    # The divider's voltage, in terms of the source and of the coil's current.
+    assert form.J[0, 1].has(symbol("r1"), symbol("p_l"))
