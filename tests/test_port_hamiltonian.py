@@ -237,6 +237,7 @@ def test_what_excludes_the_form_is_named(element: R | C, word: str) -> None:
     form = port_hamiltonian(graph.finish())
     assert not form.exists
     assert not form.is_passive
+    assert {m.shape for m in (form.J, form.R, form.G, form.P, form.D)} == {(0, 0)}
     assert any(word in reason for reason in form.reasons)
     assert word in form.as_text()
     assert r"\text" in form.as_latex()

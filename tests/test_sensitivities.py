@@ -166,3 +166,15 @@ def test_the_largest_effects_are_told_first() -> None:
     )
     told = [line.split()[-1] for line in _lines(row)[1:]]
     assert told == ["b", "a", "d", "c"]
+
+
+def test_a_pair_of_poles_is_told_with_either_sign() -> None:
+    graph = BondGraph("sprung mass")
+    graph.one("mass", Se("push"), I("m"), C("c"), R("b"))
+    graph.measure("v", flow="mass")
+    values = {"m": 1.0, "c": 0.2, "b": 2.0}
+    system = linearise(derive(graph.finish()))
+    text = str(sensitivities(system.transfer_function(), values))
+    # s² + 2 s + 5 has its roots at -1 ± 2 i.
+    assert "(-1 - 2i)" in text
+    assert "(-1 + 2i)" in text
