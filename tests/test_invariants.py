@@ -273,3 +273,15 @@ def test_an_arrow_that_is_turned_turns_no_content(turned: tuple[str, ...]) -> No
         (integral,) = invariants(finished).first_integrals
         assert agree(integral.expression**2, expression(expected) ** 2)
         assert same(rate(integral.expression, finished), sympy.S.Zero)
+
+
+def test_an_integral_at_a_junction_takes_part() -> None:
+    graph = BondGraph("slowed")
+    graph.one("body", I("m"))
+    graph.zero("node", R("r"))
+    graph.join("body", "node")
+    graph.measure("impulse", momentum="node")
+    finished = graph.finish()
+    (integral,) = invariants(finished).first_integrals
+    assert agree(integral.expression**2, expression("p_m + p_node") ** 2)
+    assert same(rate(integral.expression, finished), sympy.S.Zero)

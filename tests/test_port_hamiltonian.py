@@ -373,3 +373,17 @@ def test_a_modulus_may_read_what_a_loop_of_resistances_gives() -> None:
     check(finished, form)
     # The divider's voltage, in terms of the source and of the coil's current.
     assert form.J[0, 1].has(symbol("r1"), symbol("p_l"))
+
+
+def test_a_ratio_that_an_input_moves_carries_the_input_into_the_rates() -> None:
+    """What follows changes its content with the ratio, and the source pays for it."""
+    graph = BondGraph("crank of a length that is set")
+    arm = TF("arm", law=a * sympy.sin(displacement("wheel")))
+    graph.one("crank", Se("torque"), I("j"))
+    graph.one("slider", I("m"), R("rub"))
+    graph.join("slider", arm, "crank")
+    graph.one("wheel", Sf("turn"), R("r"))
+    finished = graph.finish()
+    form = port_hamiltonian(finished)
+    check(finished, form)
+    assert form.G[0, form.inputs.index("turn")] != 0
