@@ -38,6 +38,7 @@ TURNED = {
     "a power and a line": f**3 + f,
     "a step that is smooth": tanh(3 * f) + a * f,
     "a dead zone beside a line": Max(f - 1, 0) + a * f,
+    "a line that parameters switch": Max(f - 1, 0) + (a + Heaviside(c - a)) * f,
     "falling": -(f**3) - a * f,
     "a root": sign(f) * sympy.sqrt(Abs(f)),
 }
