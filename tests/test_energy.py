@@ -352,7 +352,7 @@ def test_power_that_crosses_from_heat_is_listed() -> None:
     finished = graph.finish()
     balance = energy(finished).in_states()
     (crossing,) = balance.exchanged
-    assert crossing.element == "k"
+    assert (crossing.element, crossing.is_power) == ("k", True)
     assert same(time_derivative(balance.total, finished), balance.rate)
 
 
@@ -422,3 +422,14 @@ def test_a_stiffness_that_follows_an_input_exchanges_the_power_of_its_rate() -> 
         x for x in balance.rate.free_symbols if x in balance.equations.input_rates
     ]
     assert agree(balance.rate.coeff(rate), k * expression("q_spring**2/2"))
+
+
+def test_a_ratio_that_follows_time_keeps_the_power() -> None:
+    graph = BondGraph("gear that changes")
+    graph.one("fast", Se("force"), I("m1"))
+    graph.one("slow", I("m2"))
+    graph.join("fast", TF("gear", law=a * (2 + sympy.sin(t))), "slow")
+    finished = graph.finish()
+    total = energy(finished).in_states().total
+    supplied = expression("force*p_m1/m1")
+    assert same(time_derivative(total, finished), supplied)
