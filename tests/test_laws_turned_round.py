@@ -96,13 +96,38 @@ def test_a_law_that_gives_one_effort_twice_or_never_is_refused_by_name(name):
     assert refused.value.about == ("r",)
 
 
-def test_what_is_twice_the_bound_of_a_parameter_is_not_turned_round():
-    # Of c, which may be negative, nobody knows whether c f + f³ rises.
+@pytest.mark.parametrize(
+    ("value", "bounds", "law"),
+    [
+        (1.0, (-1, 1), c * f + f**3),
+        (1.0, (-0.5, 3), c * f + f**3),
+        (-1.0, (-1, 0.5), c * f - f**3),
+        (-1.0, (-1, 1), c * f - f**3),
+    ],
+)
+def test_what_may_have_either_sign_within_its_bounds_is_not_turned_round(
+    value, bounds, law
+):
     graph = BondGraph("line", domain="electrical")
-    graph.one("line", Se("u"), R("r", law=c * f + f**3))
-    graph.parameter("c", 1.0, "1", bounds=(-1, 1))
+    graph.one("line", Se("u"), R("r", law=law))
+    graph.parameter("c", value, "1", bounds=bounds)
     with pytest.raises(EquationError, match="no unique inverse"):
         derive(graph.finish())
+
+
+@pytest.mark.parametrize(
+    ("value", "bounds", "law"),
+    [
+        (1.0, (0, 2), c * f + f**3),
+        (None, (0, 2), c * f + f**3),
+        (-1.0, (-2, 0), c * f - f**3),
+    ],
+)
+def test_what_has_one_sign_within_its_bounds_is_turned_round(value, bounds, law):
+    graph = BondGraph("line", domain="electrical")
+    graph.one("line", Se("u"), R("r", law=law))
+    graph.parameter("c", value, "1", bounds=bounds)
+    assert len(derive(graph.finish()).unknowns) == 1
 
 
 def test_pieces_of_one_slope_stay_an_unknown_in_the_equations_one_reads():

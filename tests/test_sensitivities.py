@@ -178,3 +178,13 @@ def test_a_pair_of_poles_is_told_with_either_sign() -> None:
     # s² + 2 s + 5 has its roots at -1 ± 2 i.
     assert "(-1 - 2i)" in text
     assert "(-1 + 2i)" in text
+
+
+def test_every_pole_at_zero_stays_there() -> None:
+    free = BondGraph("free mass")
+    free.one("mass", Se("push"), I("m"))
+    free.measure("x", displacement="mass")
+    system = linearise(derive(free.finish()))
+    found = sensitivities(system.transfer_function(), {"m": 2.0})
+    assert [pole.status for pole in found.poles] == [PoleStatus.FIXED] * 2
+    assert [pole.value for pole in found.poles] == [0, 0]
