@@ -387,3 +387,18 @@ def test_a_ratio_that_an_input_moves_carries_the_input_into_the_rates() -> None:
     form = port_hamiltonian(finished)
     check(finished, form)
     assert form.G[0, form.inputs.index("turn")] != 0
+
+
+@pytest.mark.parametrize("read", ["gear>coupling", "crank", "slip"])
+def test_a_ratio_may_read_the_way_of_a_bond_a_junction_or_an_element(read: str) -> None:
+    graph = BondGraph("crank on a coupling")
+    graph.one("crank", Se("torque"), I("j"))
+    graph.zero("coupling", R("slip"), C("spring"))
+    graph.one("slider", I("m"), R("rub"))
+    graph.join("crank", TF("gear"), "coupling")
+    arm = TF("arm", law=a * sympy.sin(displacement(read)))
+    graph.join("coupling", arm, "slider")
+    finished = graph.finish()
+    form = port_hamiltonian(finished)
+    assert len(form.states) == 4
+    check(finished, form)
