@@ -195,6 +195,8 @@ def test_joints_are_found_whichever_way_round_a_condition_is_written():
     assert found[0] is not None
     moving = sympy.Piecewise((2 * x, x < x**2), (x + 1, True), evaluate=False)
     assert joints_of(moving, x) is None
+    moving = sympy.Piecewise((2 * x, x**2 < x), (x + 1, True), evaluate=False)
+    assert joints_of(moving, x) is None
 
 
 def test_what_is_too_long_to_factor_is_one_factor_and_the_same_polynomial(monkeypatch):

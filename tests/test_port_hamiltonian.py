@@ -15,7 +15,7 @@ from bondgraph.structure.builder import BondGraph
 from bondgraph.structure.elements import GY, TF, C, I, R, Se, Sf
 from bondgraph.structure.fields import CField, IField, RField
 from bondgraph.structure.graph import FinishedGraph
-from bondgraph.structure.signals import displacement, effort, f, ports, q
+from bondgraph.structure.signals import displacement, e, effort, f, ports, q
 
 a, b = sympy.symbols("a b", real=True)
 
@@ -226,8 +226,9 @@ def test_a_source_with_a_value_is_a_port_and_says_its_value() -> None:
         (R("drag", law=b * f * sympy.Abs(f)), "'drag'"),
         (R("offset", law=a + b * f), "'offset'"),
         (C("moved", law=a * displacement("wheel") * q), "'moved'"),
+        (C("bent", law=e + e**5), "'bent'"),
     ],
-    ids=["drag", "offset", "moved"],
+    ids=["drag", "offset", "moved", "bent"],
 )
 def test_what_excludes_the_form_is_named(element: R | C, word: str) -> None:
     graph = BondGraph("with one strange element")
