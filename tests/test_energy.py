@@ -139,6 +139,50 @@ def test_what_has_no_closed_form_stays_an_integral_and_is_true() -> None:
     assert float(slope) == pytest.approx(float(law.subs({k: 1.3, q: 0.7})))
 
 
+LAWS = {
+    "the larger of two": (sympy.Max(q - a, 2 * q - b), EnergyForm.INTEGRAL),
+    "at least a number": (sympy.Max(a, q), EnergyForm.INTEGRAL),
+    "at most a number": (sympy.Min(b, q), EnergyForm.INTEGRAL),
+    "a modulus and a sign": (
+        sympy.Abs(q) * sympy.sign(q - a),
+        EnergyForm.INTEGRAL,
+    ),
+    "a wave in a modulus": (
+        k * sympy.exp(sympy.Abs(sympy.sin(q))),
+        EnergyForm.INTEGRAL,
+    ),
+    "pieces": (
+        sympy.Piecewise((k * q, q < a), (2 * k * q, True)),
+        EnergyForm.INTEGRAL,
+    ),
+    "a step up at a place": (k * sympy.sign(q - a) + q, EnergyForm.CLOSED),
+    "a cube of a modulus": (k * sympy.Abs(q) ** 3, EnergyForm.CLOSED),
+    "a modulus elsewhere": (sympy.Abs(a * q - b), EnergyForm.CLOSED),
+    "a stop that hardens": (k * sympy.Max(0, q - a) ** 2, EnergyForm.CLOSED),
+    "a wave of some length": (k * sympy.cos(a * q), EnergyForm.CLOSED),
+    "a diode": (k * (sympy.exp(b * q) - 1), EnergyForm.CLOSED),
+    "infinite at nothing": (k / q**2, EnergyForm.CLOSED),
+}
+
+
+@pytest.mark.parametrize(("law", "form"), LAWS.values(), ids=LAWS)
+def test_an_energy_has_its_law_as_slope_and_is_none_where_empty(
+    law: sympy.Expr, form: EnergyForm
+) -> None:
+    element = C("s", law=law)
+    function = energy_function(element, Laws(graph_with(element)))
+    assert (function.form, function.variables) == (form, (q,))
+    assert function.reads_stored
+    numbers = {k: 1.3, a: 0.4, b: 1.1}
+    whole = sympy.lambdify(q, function.expression.subs(numbers), ["scipy", "numpy"])
+    assert whole(float(function.empty)) == pytest.approx(0.0, abs=1e-12)
+    for place in (0.2, 0.7, 1.9):
+        step = 1e-4
+        slope = (whole(place + step) - whole(place - step)) / (2 * step)
+        expected = float(law.subs({**numbers, q: place}))
+        assert slope == pytest.approx(expected, rel=1e-4)
+
+
 def test_turning_arrows_leaves_energy_and_powers_as_they_are() -> None:
     def made(turned: bool) -> FinishedGraph:
         graph = BondGraph("drive")
@@ -209,6 +253,7 @@ def test_a_spring_whose_stiffness_moves_exchanges_power() -> None:
     balance = energy(finished).in_states()
     (exchanged,) = balance.exchanged
     assert agree(exchanged.power, expression("k*q_spring**2*turn/2"))
+    assert exchanged.is_power
     assert same(time_derivative(balance.total, finished), balance.rate)
 
 
@@ -307,7 +352,7 @@ def test_power_that_crosses_from_heat_is_listed() -> None:
     finished = graph.finish()
     balance = energy(finished).in_states()
     (crossing,) = balance.exchanged
-    assert crossing.element == "k"
+    assert (crossing.element, crossing.is_power) == ("k", True)
     assert same(time_derivative(balance.total, finished), balance.rate)
 
 
@@ -330,3 +375,61 @@ def test_equations_of_another_model_are_refused() -> None:
         signal_values(
             graph.finish(), derive(graph_with(I("m"))), [displacement("wheel")]
         )
+
+
+def test_the_residual_is_what_the_storages_do_not_take() -> None:
+    """Power in from sources and from outside, less what is lost and what is stored."""
+    graph = BondGraph("parametric spring")
+    spring = C("spring", law=k * displacement("wheel") * q)
+    graph.one("mass", Se("force"), I("m"), spring, R("rub"))
+    graph.one("wheel", Sf("turn"), R("r"))
+    balance = energy(graph.finish()).in_states()
+    assert agree(balance.residual, sympy.S.Zero)
+
+
+def test_a_node_whose_power_is_not_shown_to_vanish_is_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(PowerProof, "__call__", lambda *_: False)
+    balance = energy(graph_with(I("m")))
+    assert balance.status is BalanceStatus.PARTLY_SHOWN
+    assert balance.unproven == ("port",)
+
+
+def test_one_law_that_is_infinite_at_nothing_moves_the_begin_of_all() -> None:
+    one, two = ports("q", 2)
+    field = CField.from_energy("gas", k * sympy.log(one) + a * two**2 / 2)
+    graph = BondGraph("vapour")
+    graph.one("first", Se("u"), R("r"))
+    graph.one("second", Se("v"), R("g"))
+    graph.put(field, on=("first", "second"))
+    function = energy_function(field, Laws(graph.finish()))
+    assert function.empty == 1
+    # From one at both ports.
+    expected = k * sympy.log(one) + a * (two**2 - 1) / 2
+    assert agree(sympy.expand_log(function.expression.doit(), force=True), expected)
+
+
+def test_a_stiffness_that_follows_an_input_exchanges_the_power_of_its_rate() -> None:
+    graph = BondGraph("tuned spring")
+    spring = C("spring", law=k * flow("wheel") * q)
+    graph.one("mass", Se("force"), I("m"), spring)
+    graph.one("wheel", Sf("turn"), R("r"))
+    finished = graph.finish()
+    balance = energy(finished).in_states()
+    assert same(time_derivative(balance.total, finished), balance.rate)
+    (rate,) = [
+        x for x in balance.rate.free_symbols if x in balance.equations.input_rates
+    ]
+    assert agree(balance.rate.coeff(rate), k * expression("q_spring**2/2"))
+
+
+def test_a_ratio_that_follows_time_keeps_the_power() -> None:
+    graph = BondGraph("gear that changes")
+    graph.one("fast", Se("force"), I("m1"))
+    graph.one("slow", I("m2"))
+    graph.join("fast", TF("gear", law=a * (2 + sympy.sin(t))), "slow")
+    finished = graph.finish()
+    total = energy(finished).in_states().total
+    supplied = expression("force*p_m1/m1")
+    assert same(time_derivative(total, finished), supplied)

@@ -363,8 +363,33 @@ def test_a_storage_that_follows_a_rate_of_a_dependent_one_is_refused() -> None:
     graph.one("moved", Sf("v"), I("m"))
     graph.zero("copy", Se("held", value=effort("m")), C("c"))
     graph.measure("i", flow="c")
-    with pytest.raises(EquationError, match="itself follows from a rate: I 'm'"):
+    with pytest.raises(
+        EquationError, match="itself follows from a rate: I 'm'"
+    ) as told:
         derive(graph.finish())
+    # Nobody wished for it, and a wish about another element is none about this one.
+    assert told.value.remedy.startswith("Put an R or a C")
+    graph.prefer("c", "derivative")
+    with pytest.raises(EquationError, match="itself follows") as told:
+        derive(graph.finish())
+    assert told.value.remedy.startswith("Put an R or a C")
+    graph.prefer("m", "derivative")
+    with pytest.raises(EquationError, match="itself follows") as told:
+        derive(graph.finish())
+    assert told.value.remedy == "Drop the wish that 'm' be derivative."
+
+
+def test_a_force_that_is_what_the_masses_need_leaves_the_motion_open() -> None:
+    """Whatever the acceleration a is, the force is (m1 + m2) a: a rate tells."""
+    m1, m2 = sympy.symbols("m1 m2")
+    graph = BondGraph("carried along")
+    graph.one("body", I("m1"), I("m2"), Se("held", value=effort("m2") * (1 + m1 / m2)))
+    with pytest.raises(EquationError, match="does not determine"):
+        derive(graph.finish())
+    graph = BondGraph("held back")
+    graph.one("body", I("m1"), I("m2"), Se("held", value=effort("m2") * m1 / m2))
+    graph.measure("v", flow="body")
+    assert len(derive(graph.finish()).unknowns) == 1
 
 
 # Reading --------------------------------------------------------------------------
@@ -415,3 +440,12 @@ def test_a_moving_modulus_gives_its_own_force() -> None:
     assert TF  # the case's arm is a TF whose modulus reads a displacement
     assert displacement("crank") in graph.node("arm").modulus.free_symbols
     assert q not in graph.node("arm").modulus.free_symbols
+
+
+@every_case
+def test_what_is_only_another_name_is_no_assignment(case: Case) -> None:
+    for assignment in derive(case.graph()).assignments:
+        expression = assignment.expression
+        assert not expression.is_Symbol
+        assert not (-expression).is_Symbol
+        assert not expression.is_number

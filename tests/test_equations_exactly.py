@@ -7,13 +7,14 @@ import pytest
 import sympy
 from sympy import Abs, Max, Rational, cosh, exp, log, sign, sin, tanh
 
+from bondgraph.equations import factors
 from bondgraph.equations.chain_rule import derivative
 from bondgraph.equations.elimination import eliminated, reduced
 from bondgraph.equations.factors import Factor, factored, monic, polynomial, product
 from bondgraph.equations.inversion import _by_cosh, _is_squared_tanh
 from bondgraph.equations.pieces import joints_of
-from bondgraph.equations.singularity import _undetermined
-from bondgraph.equations.stored_energy import _antiderivative
+from bondgraph.equations.singularity import _Sum, _undetermined
+from bondgraph.equations.stored_energy import _antiderivative, _vanishes
 from bondgraph.equations.transfer_function import s
 
 x, y, a, b, c = sympy.symbols("x y a b c", real=True)
@@ -36,6 +37,9 @@ def slope(expression, at, step=1e-6):
         Abs(log(x)) * Abs(x - 2),
         exp(-Abs(log(x) ** 3)),
         Abs(x + Abs(log(x))),
+        Abs(x * sign(log(x))),
+        Abs(log(x)) * sign(log(x)),
+        Abs(x * sign(log(x))) ** 2 + Abs(x - 2),
     ],
     ids=str,
 )
@@ -115,6 +119,9 @@ def test_the_roots_of_a_factor_are_where_it_is_nothing():
         assert len(factor.roots) == factor.degree
         for root in factor.roots:
             assert at(factor.expression, at(root, 0)) == pytest.approx(0, abs=1e-12)
+        # All of them, so that their product is what stands without s.
+        last = sympy.Mul(*(-root for root in factor.roots)) - factor.coefficients[-1]
+        assert at(last, 0) == pytest.approx(0, abs=1e-12)
     assert Factor((sympy.S.One, a, b, c), 1).roots == ()
 
 
@@ -162,10 +169,23 @@ def test_a_basis_is_reduced_in_the_order_that_is_preferred(seed):
 
 def test_a_row_that_others_say_already_is_undetermined():
     u, v, w = sympy.symbols("u v w")
+
+    def undetermined(*rows):
+        exact = [{s: _Sum(x, abs(x)) for s, x in row.items()} for row in rows]
+        return _undetermined(exact)
+
     rows = [{u: 2.0, v: 1.0}, {v: -3.0, w: 0.5}, {u: 4.0, v: -1.0, w: 0.5}, {}]
-    assert _undetermined(rows) == [2, 3]
-    assert _undetermined([*rows[:2], {u: 4.0, v: -1.0, w: 0.6}]) == []
-    assert _undetermined([{u: 1e-200, v: 1e-200}, {u: 1.0, v: 1.0}]) == [1]
+    assert undetermined(*rows) == [2, 3]
+    assert undetermined(*rows[:2], {u: 4.0, v: -1.0, w: 0.6}) == []
+    assert undetermined({u: 1e-200, v: 1e-200}, {u: 1.0, v: 1.0}) == [1]
+    # What rounding leaves of a difference is nothing, however small the rest is.
+    assert undetermined({u: 0.7, v: 0.3}, {u: 11 * 0.7, v: 11 * 0.3}) == [1]
+    eleven = {u: 11 * 0.7, v: 11 * 0.3}
+    assert undetermined({u: 0.7, v: 0.3}, {v: 1.0, w: 1.0}, eleven) == [2]
+    rounded = _Sum(0.1, 0.1) * _Sum(3.0, 3.0) - _Sum(0.3, 0.3)
+    assert rounded.value != 0.0
+    assert _undetermined([{u: rounded}]) == [0]
+    assert _undetermined([{u: rounded + _Sum(1e-6, 1e-6)}]) == []
 
 
 def test_joints_are_found_whichever_way_round_a_condition_is_written():
@@ -175,3 +195,29 @@ def test_joints_are_found_whichever_way_round_a_condition_is_written():
     assert found[0] is not None
     moving = sympy.Piecewise((2 * x, x < x**2), (x + 1, True), evaluate=False)
     assert joints_of(moving, x) is None
+    moving = sympy.Piecewise((2 * x, x**2 < x), (x + 1, True), evaluate=False)
+    assert joints_of(moving, x) is None
+
+
+def test_what_is_too_long_to_factor_is_one_factor_and_the_same_polynomial(monkeypatch):
+    whole = sympy.expand(s * (s + a) * (s + b))
+    coefficients = sympy.Poly(whole, s).all_coeffs()
+    monkeypatch.setattr(factors, "MOST_TERMS", 3)
+    constant, found = factored(coefficients)
+    assert [power for _, power in found] == [1, 1]
+    together = sympy.Mul(constant, *(polynomial(f) ** n for f, n in found))
+    assert sympy.expand(together - whole) == 0
+    monkeypatch.setattr(factors, "MOST_TERMS", 4)
+    assert len(factored(coefficients)[1]) == 3
+
+
+def test_what_vanishes_does_so_for_either_sign_of_what_varies():
+    for zero in (x - x, (x + 1) ** 2 - x**2 - 2 * x - 1, cosh(x) ** 2 - 1):
+        varied = zero - (sympy.sinh(x) ** 2 if zero.has(cosh) else 0)
+        assert _vanishes(varied, (x,))
+    assert not _vanishes(x + 1 - x - Rational(1, 10**6), (x,))
+    assert not _vanishes(sin(x) - x + x**3 / 6, (x,))
+    # Parameters are positive, what is stored is not.
+    assert _vanishes(Abs(a) - a, (x,))
+    assert not _vanishes(Abs(x) - x, (x,))
+    assert not _vanishes(a * (Abs(x) - x), (x,))

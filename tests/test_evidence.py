@@ -29,7 +29,12 @@ from bondgraph.diagnosis.evidence.decision import (
     judge,
     probability,
 )
-from bondgraph.diagnosis.evidence.gain import Gain, beside_earlier, compare
+from bondgraph.diagnosis.evidence.gain import (
+    MERE_SHAPE,
+    Gain,
+    beside_earlier,
+    compare,
+)
 from bondgraph.diagnosis.evidence.judging import decide
 from bondgraph.diagnosis.evidence.left_out import (
     FOLDS,
@@ -90,6 +95,20 @@ def charged(windows):
     channels = {"speed": (speed, "m/s"), "force": (force, "N")}
     recording = bind_to(graph.finish(), Recording.from_arrays("a", time, channels))
     return fit_model(graph.finish(), [recording], FitSettings(horizon=windows))
+
+
+def test_the_states_that_were_fitted_count_as_fitted(monkeypatch):
+    fitted = charged(Windows(40))
+    told, original = [], left_out.surprise
+
+    def watched(residuals, windows, unknowns):
+        told.append(unknowns)
+        return original(residuals, windows, unknowns)
+
+    monkeypatch.setattr(left_out, "surprise", watched)
+    left_out_errors(fitted, 10)
+    # One parameter, and one state at the begin of each of ten windows.
+    assert told == [11] * FOLDS
 
 
 def test_a_window_that_was_left_out_gets_its_state_from_its_first_half():
@@ -285,6 +304,8 @@ def test_a_later_finding_counts_by_what_it_explains_beside_the_earlier():
     assert second == pytest.approx(0.05 / (0.05 + 0.01 * 0.9))
     _, little = beside_earlier([0.994, 0.45])
     assert little == pytest.approx(0.0027 / (0.0027 + 0.01 * 0.994))
+    # Five times what shape may do is a finding, a quarter of it is none.
+    assert little < MERE_SHAPE < second
 
 
 def test_of_laws_that_predict_alike_the_plainest_is_told_at_its_best_place():

@@ -197,3 +197,34 @@ def test_nonlinear_laws_that_need_not_be_unique_are_refused_by_name() -> None:
         derive(graph.finish())
     assert "wells" in refusal.value.about
     assert isinstance(refusal.value, BondGraphError)
+
+
+def two_springs_in_one(energy: sympy.Expr) -> FinishedGraph:
+    """Return a field of which one port is a state and the other follows a source."""
+    graph = BondGraph("two springs in one")
+    graph.one("a", Sf("v"), R("r1"))
+    graph.zero("b", Se("u"))
+    graph.put(CField.from_energy("field", energy), on=("a", "b"))
+    graph.measure("force", effort="field[1]")
+    return graph.finish()
+
+
+def test_only_ports_that_follow_need_a_law_that_is_unique() -> None:
+    # The first port is a state, so that its stiffness may be negative.
+    first, second = ports("q", 2)
+    field = second**2 / 2 + second**4 / 4 - first**2 / 2
+    assert derive(two_springs_in_one(field)).unknowns
+    with pytest.raises(EquationError, match="need not be unique"):
+        derive(two_springs_in_one(first**2 / 2 - second**2 / 2 + second**4 / 4))
+
+
+def test_laws_that_fall_at_both_ports_are_refused_too() -> None:
+    # The determinant of their slopes is positive, and neither slope is.
+    first, second = ports("q", 2)
+    graph = BondGraph("falling")
+    graph.zero("a", Se("u"))
+    graph.zero("b", Se("w"))
+    falling = -(first**2) / 2 - first**4 - second**2 / 2 - second**4
+    graph.put(CField.from_energy("field", falling), on=("a", "b"))
+    with pytest.raises(EquationError, match="need not be unique"):
+        derive(graph.finish())

@@ -1,6 +1,7 @@
 """First integrals that follow from the structure, and states one can do without."""
 
 import random
+from dataclasses import replace
 
 import pytest
 import sympy
@@ -12,7 +13,7 @@ from bondgraph.equations.reduction import reduce
 from bondgraph.structure.builder import BondGraph
 from bondgraph.structure.elements import GY, TF, C, I, R, Se, Sf
 from bondgraph.structure.fields import IField
-from bondgraph.structure.graph import FinishedGraph
+from bondgraph.structure.graph import Bond, FinishedGraph
 from bondgraph.structure.signals import displacement, f
 
 
@@ -252,3 +253,35 @@ def test_latex_shows_the_integrals() -> None:
     driven = BondGraph("cart")
     driven.one("mass", Se("u"), I("m"))
     assert "no first integral" in invariants(driven.finish()).as_latex()
+
+
+@pytest.mark.parametrize("turned", [(), ("c",), ("rub",), ("c", "rub")], ids=str)
+def test_an_arrow_that_is_turned_turns_no_content(turned: tuple[str, ...]) -> None:
+    """A mass gives its momentum to friction; two springs on it are stretched alike."""
+    loop = BondGraph("loop")
+    loop.one("loop", I("l"), C("first"), C("c"), R("r"))
+    slowed = BondGraph("slowed")
+    slowed.one("body", I("m"), R("rub"))
+    slowed.measure("impulse", momentum="rub")
+    for graph, expected in ((loop, "q_first - q_c"), (slowed, "p_m + p_rub")):
+        finished = graph.finish()
+        bonds = tuple(
+            Bond(b.head, b.tail) if {b.head, b.tail} & set(turned) else b
+            for b in finished.bonds
+        )
+        finished = replace(finished, bonds=bonds)
+        (integral,) = invariants(finished).first_integrals
+        assert agree(integral.expression**2, expression(expected) ** 2)
+        assert same(rate(integral.expression, finished), sympy.S.Zero)
+
+
+def test_an_integral_at_a_junction_takes_part() -> None:
+    graph = BondGraph("slowed")
+    graph.one("body", I("m"))
+    graph.zero("node", R("r"))
+    graph.join("body", "node")
+    graph.measure("impulse", momentum="node")
+    finished = graph.finish()
+    (integral,) = invariants(finished).first_integrals
+    assert agree(integral.expression**2, expression("p_m + p_node") ** 2)
+    assert same(rate(integral.expression, finished), sympy.S.Zero)

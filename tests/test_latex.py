@@ -67,3 +67,26 @@ def test_hostile_names_are_mathematics_too() -> None:
     g.one("while_loop", Se("u_"), R("r", law=law), I("lambda_"), C("c__2"))
     g.measure("50% of\n\\y_{max}", flow="while_loop")
     parsed(as_latex(derive(g.finish())))
+
+
+def test_many_states_are_shown_as_they_are_sorted() -> None:
+    graph = BondGraph("chain")
+    graph.one("m0", Se("push"), I("i0"), R("r"))
+    for k in range(1, 8):
+        graph.zero(f"s{k}", C(f"c{k}"))
+        graph.one(f"m{k}", I(f"i{k}"))
+        graph.join(f"m{k - 1}", f"s{k}")
+        graph.join(f"s{k}", f"m{k}")
+    graph.measure("v", flow="m7")
+    equations = derive(graph.finish())
+    shown = as_latex(equations)
+    parsed(shown)
+    lines = len(equations.assignments) + len(equations.rates) + 1
+    assert shown.count("&=") == lines
+    assert shown.count(r"\dot{") == len(equations.states) == 15
+    assert r"\dot{q}_{c_{7}} &=" in shown
+
+
+def test_a_space_in_a_name_is_a_space() -> None:
+    assert latex_name("a b") == r"a\ b"
+    assert r"\ " in latex_name("a\u0007b")

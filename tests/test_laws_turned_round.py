@@ -9,15 +9,17 @@ import pytest
 import sympy
 from sympy import Abs, Heaviside, Max, Min, Mod, Piecewise, floor, sign, tanh
 
-from bondgraph import BondGraph, R, Se, derive, simulate_inputs
+from bondgraph import BondGraph, I, R, Se, Sf, derive, simulate_inputs
 from bondgraph.equations.chain_rule import derivative
+from bondgraph.equations.inversion import Laws
 from bondgraph.equations.reduction import reduce
 from bondgraph.errors import EquationError
 from bondgraph.simulation.trouble import RunStatus
-from bondgraph.structure.signals import f
+from bondgraph.structure.signals import displacement, e, f, t
 
 a, b, c = sympy.symbols("a b c", real=True)
 VALUES = {"a": 0.7, "b": 0.4, "c": 0.9}
+KNOWN = {a: 0.7, b: 0.4, c: 0.9}
 EFFORTS = -3.987 + 0.2 * np.arange(41)
 TIME = np.linspace(0.0, 1.0, len(EFFORTS))
 
@@ -36,6 +38,7 @@ TURNED = {
     "a power and a line": f**3 + f,
     "a step that is smooth": tanh(3 * f) + a * f,
     "a dead zone beside a line": Max(f - 1, 0) + a * f,
+    "a line that parameters switch": Max(f - 1, 0) + (a + Heaviside(c - a)) * f,
     "falling": -(f**3) - a * f,
     "a root": sign(f) * sympy.sqrt(Abs(f)),
 }
@@ -93,13 +96,38 @@ def test_a_law_that_gives_one_effort_twice_or_never_is_refused_by_name(name):
     assert refused.value.about == ("r",)
 
 
-def test_what_is_twice_the_bound_of_a_parameter_is_not_turned_round():
-    # Of c, which may be negative, nobody knows whether c f + f³ rises.
+@pytest.mark.parametrize(
+    ("value", "bounds", "law"),
+    [
+        (1.0, (-1, 1), c * f + f**3),
+        (1.0, (-0.5, 3), c * f + f**3),
+        (-1.0, (-1, 0.5), c * f - f**3),
+        (-1.0, (-1, 1), c * f - f**3),
+    ],
+)
+def test_what_may_have_either_sign_within_its_bounds_is_not_turned_round(
+    value, bounds, law
+):
     graph = BondGraph("line", domain="electrical")
-    graph.one("line", Se("u"), R("r", law=c * f + f**3))
-    graph.parameter("c", 1.0, "1", bounds=(-1, 1))
+    graph.one("line", Se("u"), R("r", law=law))
+    graph.parameter("c", value, "1", bounds=bounds)
     with pytest.raises(EquationError, match="no unique inverse"):
         derive(graph.finish())
+
+
+@pytest.mark.parametrize(
+    ("value", "bounds", "law"),
+    [
+        (1.0, (0, 2), c * f + f**3),
+        (None, (0, 2), c * f + f**3),
+        (-1.0, (-2, 0), c * f - f**3),
+    ],
+)
+def test_what_has_one_sign_within_its_bounds_is_turned_round(value, bounds, law):
+    graph = BondGraph("line", domain="electrical")
+    graph.one("line", Se("u"), R("r", law=law))
+    graph.parameter("c", value, "1", bounds=bounds)
+    assert len(derive(graph.finish()).unknowns) == 1
 
 
 def test_pieces_of_one_slope_stay_an_unknown_in_the_equations_one_reads():
@@ -126,3 +154,58 @@ def test_the_modulus_of_a_logarithm_is_differentiated_as_a_real_one():
             assert float(slope.subs(x, point).evalf()) == pytest.approx(
                 (near[1] - near[0]) / 2e-6, rel=1e-6
             )
+
+
+def formula_of(law):
+    graph = BondGraph("line", domain="electrical")
+    element = R("r", law=law)
+    graph.one("line", Se("u"), element)
+    for symbol in law.free_symbols - {f}:
+        graph.parameter(symbol.name, VALUES[symbol.name], "1", bounds=(0, 10))
+    return Laws(graph.finish()).explicit(element, f)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "two pieces",
+        "an edge that is a parameter",
+        "dry beside viscous",
+        "dry and a bias",
+    ],
+)
+def test_what_rises_in_pieces_or_beside_dry_friction_has_a_formula(name):
+    law = TURNED[name]
+    formula = formula_of(law)
+    assert formula is not None
+    for value in (-3.1, -0.2, 0.3, 2.2):
+        low, high = efforts(law, [float(formula.subs({**KNOWN, e: value}))])
+        assert low[0] - 1e-6 <= value <= high[0] + 1e-6
+
+
+def test_a_law_that_reads_something_else_is_judged_by_its_own_slope():
+    graph = BondGraph("line", domain="electrical")
+    graph.one("wheel", I("j"), R("rub"))
+    law = (2 + sympy.sin(displacement("wheel"))) * f + f**3
+    graph.one("line", Se("u"), R("r", law=law))
+    # Of what is read nothing is known, so that its coefficient may have either sign.
+    with pytest.raises(EquationError, match="no unique inverse"):
+        derive(graph.finish())
+    graph = BondGraph("line", domain="electrical")
+    graph.one("line", Se("u"), R("r", law=(1 + t**2) * f + f**3))
+    assert derive(graph.finish()).unknowns
+
+
+def test_the_remedy_is_one_that_the_element_can_have():
+    graph = BondGraph("line")
+    graph.one("line", Se("u"), R("r", law=sympy.sin(f)))
+    with pytest.raises(EquationError) as told:
+        derive(graph.finish())
+    assert told.value.remedy.endswith("put a storage beside it that gives it its flow.")
+    graph = BondGraph("node")
+    graph.zero("node", Sf("u"), R("r", law=sympy.sin(e)))
+    with pytest.raises(EquationError) as told:
+        derive(graph.finish())
+    assert told.value.remedy.endswith(
+        "put a storage beside it that gives it its effort."
+    )

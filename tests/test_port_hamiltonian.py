@@ -15,7 +15,7 @@ from bondgraph.structure.builder import BondGraph
 from bondgraph.structure.elements import GY, TF, C, I, R, Se, Sf
 from bondgraph.structure.fields import CField, IField, RField
 from bondgraph.structure.graph import FinishedGraph
-from bondgraph.structure.signals import displacement, f, ports, q
+from bondgraph.structure.signals import displacement, e, effort, f, ports, q
 
 a, b = sympy.symbols("a b", real=True)
 
@@ -226,8 +226,9 @@ def test_a_source_with_a_value_is_a_port_and_says_its_value() -> None:
         (R("drag", law=b * f * sympy.Abs(f)), "'drag'"),
         (R("offset", law=a + b * f), "'offset'"),
         (C("moved", law=a * displacement("wheel") * q), "'moved'"),
+        (C("bent", law=e + e**5), "'bent'"),
     ],
-    ids=["drag", "offset", "moved"],
+    ids=["drag", "offset", "moved", "bent"],
 )
 def test_what_excludes_the_form_is_named(element: R | C, word: str) -> None:
     graph = BondGraph("with one strange element")
@@ -237,6 +238,7 @@ def test_what_excludes_the_form_is_named(element: R | C, word: str) -> None:
     form = port_hamiltonian(graph.finish())
     assert not form.exists
     assert not form.is_passive
+    assert {m.shape for m in (form.J, form.R, form.G, form.P, form.D)} == {(0, 0)}
     assert any(word in reason for reason in form.reasons)
     assert word in form.as_text()
     assert r"\text" in form.as_latex()
@@ -293,3 +295,111 @@ def test_a_source_may_have_the_name_of_a_parameter() -> None:
     form = port_hamiltonian(graph.finish())
     assert form.inputs == ("force", "weight_")
     assert agree(form.input_values["weight_"], expression("-9.81*weight"))
+
+
+def test_a_feedthrough_is_taken_from_the_gain_where_there_is_one() -> None:
+    def driven(*elements: R | C | I) -> str:
+        graph = BondGraph("loop")
+        graph.one("loop", Se("u"), *elements)
+        shown = port_hamiltonian(graph.finish()).as_latex()
+        return shown.split(r"\nabla H + ")[1].splitlines()[0]
+
+    assert " - " in driven(R("r"), C("c"))
+    assert " - " not in driven(I("m"), R("b"))
+
+
+@pytest.mark.parametrize(
+    ("mutual", "passive"), [(0.5, True), (1.5, False), (-1.5, False)]
+)
+def test_a_field_is_passive_where_its_matrix_is(mutual: float, passive: bool) -> None:
+    """The symmetric part of [[1, 2m], [0, 1]] is positive as long as |m| <= 1."""
+    graph = BondGraph("rubbing plates")
+    graph.one("left", Se("force"), I("m1"))
+    graph.one("right", I("m2"))
+    losses = RField.from_matrix("losses", [[1, 2 * sympy.Rational(mutual)], [0, 1]])
+    graph.put(losses, on=("left", "right"))
+    form = port_hamiltonian(graph.finish())
+    assert form.exists
+    assert form.dissipation["losses"].shape == (2, 2)
+    assert form.is_passive is passive
+
+
+def test_a_field_without_losses_of_its_own_has_the_form() -> None:
+    """[[0, r], [-r, 0]] is a gyrator in other words."""
+    graph = BondGraph("two wheels")
+    graph.one("left", Se("force"), I("m1"), R("rub"))
+    graph.one("right", I("m2"), C("c"))
+    turn = sympy.Symbol("turn")
+    graph.put(
+        RField.from_matrix("field", [[0, turn], [-turn, 0]]), on=("left", "right")
+    )
+    graph.parameter("rub", 1.0, "1")
+    finished = graph.finish()
+    form = port_hamiltonian(finished)
+    check(finished, form)
+    assert form.is_passive
+
+
+def test_heat_is_no_power_and_has_no_form() -> None:
+    graph = BondGraph("oven")
+    graph.zero("body", Sf("heating"), C("heat"), R("loss"), domain="thermal")
+    form = port_hamiltonian(graph.finish())
+    assert not form.exists
+    assert form.reasons == ("Effort times flow is no power in the thermal domain.",)
+
+
+def test_a_field_of_which_a_part_follows_has_no_form() -> None:
+    graph = BondGraph("coupled coils")
+    graph.one("first", Se("u"), R("r1"))
+    graph.one("third", Sf("i"))
+    l1, l2, mutual = sympy.symbols("l1 l2 mutual")
+    coils = IField.from_matrix("coils", [[l1, mutual], [mutual, l2]])
+    graph.put(coils, on=("first", "third"))
+    form = port_hamiltonian(graph.finish())
+    assert form.reasons == ("Some ports of I 'coils' are states and some follow.",)
+
+
+def test_a_modulus_may_read_what_a_loop_of_resistances_gives() -> None:
+    k = sympy.Symbol("k")
+    graph = BondGraph("field winding behind a divider")
+    graph.one("supply", Se("u"), R("r1"))
+    graph.zero("divider", R("r2"))
+    graph.one("coil", I("l"))
+    graph.one("shaft", I("j"), R("rub"))
+    graph.join("supply", "divider")
+    graph.join("divider", "coil")
+    graph.join("coil", GY("motor", law=k * effort("divider")), "shaft")
+    finished = graph.finish()
+    form = port_hamiltonian(finished)
+    check(finished, form)
+    # The divider's voltage, in terms of the source and of the coil's current.
+    assert form.J[0, 1].has(symbol("r1"), symbol("p_l"))
+
+
+def test_a_ratio_that_an_input_moves_carries_the_input_into_the_rates() -> None:
+    """What follows changes its content with the ratio, and the source pays for it."""
+    graph = BondGraph("crank of a length that is set")
+    arm = TF("arm", law=a * sympy.sin(displacement("wheel")))
+    graph.one("crank", Se("torque"), I("j"))
+    graph.one("slider", I("m"), R("rub"))
+    graph.join("slider", arm, "crank")
+    graph.one("wheel", Sf("turn"), R("r"))
+    finished = graph.finish()
+    form = port_hamiltonian(finished)
+    check(finished, form)
+    assert form.G[0, form.inputs.index("turn")] != 0
+
+
+@pytest.mark.parametrize("read", ["gear>coupling", "crank", "slip"])
+def test_a_ratio_may_read_the_way_of_a_bond_a_junction_or_an_element(read: str) -> None:
+    graph = BondGraph("crank on a coupling")
+    graph.one("crank", Se("torque"), I("j"))
+    graph.zero("coupling", R("slip"), C("spring"))
+    graph.one("slider", I("m"), R("rub"))
+    graph.join("crank", TF("gear"), "coupling")
+    arm = TF("arm", law=a * sympy.sin(displacement(read)))
+    graph.join("coupling", arm, "slider")
+    finished = graph.finish()
+    form = port_hamiltonian(finished)
+    assert len(form.states) == 4
+    check(finished, form)

@@ -6,7 +6,12 @@ import sympy
 from catalogue import CASES, agree, expression
 
 from bondgraph import BondGraph, C, I, ParameterSet, R, Se, derive, linearise
-from bondgraph.equations.sensitivities import PoleStatus, sensitivities
+from bondgraph.equations.sensitivities import (
+    PoleStatus,
+    Sensitivity,
+    _lines,
+    sensitivities,
+)
 from bondgraph.errors import ParameterError
 from bondgraph.structure.parameters import Parameter
 
@@ -148,3 +153,38 @@ def test_missing_values_and_wrong_names_are_refused() -> None:
     found = sensitivities(transfer("lowerleg"), VALUES)
     with pytest.raises(ParameterError, match="does not depend on a parameter 'c'"):
         found.elasticity("c")
+
+
+def test_the_largest_effects_are_told_first() -> None:
+    row = Sensitivity(
+        name="gain",
+        value=2.0,
+        slopes={"a": 1.0, "b": -4.0, "c": 0.0, "d": 0.5},
+        elasticities={"a": 0.5, "b": -2.0, "c": 0.0, "d": 0.01},
+        std=None,
+        status=PoleStatus.SIMPLE,
+    )
+    told = [line.split()[-1] for line in _lines(row)[1:]]
+    assert told == ["b", "a", "d", "c"]
+
+
+def test_a_pair_of_poles_is_told_with_either_sign() -> None:
+    graph = BondGraph("sprung mass")
+    graph.one("mass", Se("push"), I("m"), C("c"), R("b"))
+    graph.measure("v", flow="mass")
+    values = {"m": 1.0, "c": 0.2, "b": 2.0}
+    system = linearise(derive(graph.finish()))
+    text = str(sensitivities(system.transfer_function(), values))
+    # s² + 2 s + 5 has its roots at -1 ± 2 i.
+    assert "(-1 - 2i)" in text
+    assert "(-1 + 2i)" in text
+
+
+def test_every_pole_at_zero_stays_there() -> None:
+    free = BondGraph("free mass")
+    free.one("mass", Se("push"), I("m"))
+    free.measure("x", displacement="mass")
+    system = linearise(derive(free.finish()))
+    found = sensitivities(system.transfer_function(), {"m": 2.0})
+    assert [pole.status for pole in found.poles] == [PoleStatus.FIXED] * 2
+    assert [pole.value for pole in found.poles] == [0, 0]

@@ -13,6 +13,7 @@ from bondgraph.simulation.shooting import Shots, shoot
 from bondgraph.simulation.solvers import Hold
 
 STANDARD_GRAVITY = 9.81
+V0 = sympy.Symbol("v0", real=True)
 
 
 def symbols(names):
@@ -403,3 +404,23 @@ def test_chains_of_rubbing_masses_shaken_by_noise_are_followed(kind):
         time = np.arange(0, 2, 2e-3)
         shake = 6 * np.sin(3 * time) + 4 * rng.standard_normal(len(time))
         assert run(g, values, time, shake, solver=kind()).completed.all()
+
+
+@pytest.mark.parametrize(
+    ("law", "jumps"),
+    [
+        (sympy.Symbol("mu", real=True) * sympy.sign(f), True),
+        (sympy.Symbol("mu", real=True) * sympy.sign(f - V0), True),
+        (sympy.Symbol("mu", real=True) * sympy.sign(2 * f - V0) + f, True),
+        ((2 * f - V0) * sympy.sign(2 * f - V0), False),
+        (f * sympy.sign(f), False),
+        (f + sympy.sign(f) ** 2, False),
+        (sympy.sign(f**2 - 1), False),
+    ],
+    ids=str,
+)
+def test_friction_of_a_belt_jumps_where_the_belt_is_followed(law, jumps):
+    g = BondGraph("belt")
+    g.one("block", Se("push"), I("m"), R("rub", law=law))
+    equations = derive(g.finish())
+    assert len(equations.dry_friction) == jumps

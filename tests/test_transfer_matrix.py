@@ -7,8 +7,9 @@ import pytest
 import sympy
 from catalogue import CASES, agree, expression, random_graph, somewhere
 
-from bondgraph import BondGraph, C, FinishedGraph, I, R, Se, Sf, derive, linearise
+from bondgraph import BondGraph, C, FinishedGraph, I, R, Se, Sf, derive, f, linearise
 from bondgraph.equations.descriptor import descriptor
+from bondgraph.equations.factors import Factor, PoleZeroGain
 from bondgraph.equations.linear import Form
 from bondgraph.equations.transfer_function import s
 from bondgraph.errors import BondGraphError, EquationError
@@ -241,3 +242,55 @@ def test_a_descriptor_solves_by_hand() -> None:
         form.transfer_function("inner").expression, expression("m2*s/((m1 + m2)*s + b)")
     )
     assert form.transfer_function("v").denominator_coefficients[0].has(s) is False
+
+
+def test_entries_are_counted_from_both_ends_and_no_further() -> None:
+    matrix = linearise(derive(CASES[0].graph())).transfer_matrix()
+    rows, columns = matrix.shape
+    assert matrix[-rows, -columns] is matrix[0, 0]
+    assert matrix[rows - 1, columns - 1] is matrix[-1, -1]
+    for row in (rows, -rows - 1):
+        with pytest.raises(EquationError, match="has no output"):
+            matrix[row, 0]
+
+
+def test_a_gain_is_in_front_as_it_is() -> None:
+    form = PoleZeroGain(
+        name="g",
+        gain=sympy.Integer(2),
+        zeros=(Factor((sympy.S.One, sympy.S.One), 1),),
+        poles=(),
+    )
+    assert form.expression.args == (2, s + 1)
+
+
+def test_the_coefficients_have_no_number_in_common_and_numbers_lead_with_one() -> None:
+    graph = BondGraph("cart")
+    graph.one("body", Se("push"), I("m"), R("rub", law=2 * sympy.Symbol("b") * f))
+    graph.measure("v", flow="body")
+    finished = graph.finish()
+    form = linearise(derive(finished)).transfer_function()
+    b, m = sympy.symbols("b m", real=True)
+    assert form.denominator_coefficients == (m, 2 * b)
+    heavy = BondGraph("heavy cart")
+    law = sympy.Symbol("m") * f * 3
+    heavy.one("body", Se("push"), I("i", law=law), R("rub", law=2 * f))
+    heavy.measure("v", flow="body")
+    form = linearise(derive(heavy.finish())).transfer_function()
+    assert form.denominator_coefficients == (3 * m, 2)
+    numbers = BondGraph("numbers")
+    numbers.one("body", Se("push"), I("i", law=4 * f), R("rub", law=2 * f))
+    numbers.measure("v", flow="body")
+    form = linearise(derive(numbers.finish())).transfer_function()
+    assert form.denominator_coefficients == (1, sympy.Rational(1, 2))
+    assert form.numerator_coefficients == (sympy.Rational(1, 4),)
+
+
+def test_a_refusal_is_about_the_name_that_was_given_or_the_model() -> None:
+    system = linearise(derive(two_tanks()))
+    with pytest.raises(EquationError, match="say which one") as told:
+        system.transfer_function(input="in_left")
+    assert told.value.about == ("two tanks",)
+    with pytest.raises(EquationError, match="no output 'lw'") as told:
+        system.transfer_function("lw", "in_left")
+    assert told.value.about == ("lw",)

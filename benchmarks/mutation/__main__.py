@@ -12,8 +12,9 @@ quickest first. What was tried is kept line by line, so that a run goes on.
 import argparse
 from pathlib import Path
 
+from benchmarks.mutation.covering import cover
 from benchmarks.mutation.reporting import told
-from benchmarks.mutation.running import cover, try_mutants
+from benchmarks.mutation.running import try_mutants
 
 WORK = Path("out/mutation")
 

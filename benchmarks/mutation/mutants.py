@@ -159,8 +159,8 @@ def _left_alone(tree: ast.Module) -> Iterator[int]:
                 inner = [node.returns, *node.decorator_list]
             case ast.ClassDef():
                 inner = [*node.decorator_list]
-            case ast.Assert() | ast.JoinedStr():
-                inner = [node]
+            case ast.Assert() | ast.JoinedStr() | ast.keyword(arg="strict"):
+                inner = [node]  # strict: that two lists are equally long
             case ast.If(test=ast.Name(id="TYPE_CHECKING")):
                 inner = [node]
             case ast.Assign(value=ast.Subscript() as value) if node in tree.body:

@@ -3,7 +3,8 @@
 from collections import Counter
 from pathlib import Path
 
-from benchmarks.mutation.running import TRUSTED, entries
+from benchmarks.mutation.covering import TRUSTED
+from benchmarks.mutation.running import entries
 
 KILLED = ("killed", "out of time")
 

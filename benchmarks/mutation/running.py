@@ -1,36 +1,28 @@
-"""Which test runs which line, and every mutant tried by the tests that run its line."""
+"""Every mutant tried by the tests that run its line, in a process of its own."""
 
 import json
 import os
 import random
 import resource
-import sys
+import signal
 import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from importlib import import_module
-from importlib.abc import Loader, MetaPathFinder
-from importlib.machinery import ModuleSpec
-from importlib.util import spec_from_loader
 from itertools import accumulate
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
-from benchmarks.mutation.mutants import Mutant, mutants_of, mutated
-
-TRUSTED = ("bondgraph/causality", "bondgraph/equations", "bondgraph/diagnosis/evidence")
-TESTS = tuple(
-    f"tests/test_{name}.py"
-    for name in (
-        "catalogue causality causality_choices causality_exhaustive "
-        "causality_words composition diagnosis_workers energy equations "
-        "equations_exactly evidence evidence_exactly explicit_form fields "
-        "flegx_models hard_contact hard_numbers implicit_route invariants jump "
-        "latex laws_turned_round linear_systems mechanics model_channels "
-        "model_text planar_leg port_hamiltonian search_rules sensitivities "
-        "set_valued_friction sparse_jacobian steady_state transfer_matrix"
-    ).split()
+from benchmarks.mutation.covering import COLLECTING, COVERED, TESTS, TRUSTED
+from benchmarks.mutation.mutants import Mutant, mutants_of
+from benchmarks.mutation.placing import (
+    give_other_code,
+    import_instead,
+    is_inside_function,
 )
-"""The quickest that check these packages; others would kill more, for a longer wait."""
 
 HEAVY = ("numpy", "scipy.linalg", "scipy.sparse.linalg", "scipy.special", "sympy",
          "networkx", "pint", "numba", "pytest", "control")  # fmt: skip
@@ -39,67 +31,28 @@ HEAVY = ("numpy", "scipy.linalg", "scipy.sparse.linalg", "scipy.special", "sympy
 Not what pytest wants to import itself (hypothesis): it would warn, and end with that.
 """
 
-NOT_RUN = 99
-"""The status of a process in which pytest could not even begin."""
+OPTIONS = ("-q", "-s", "-n0", "-p", "no:cacheprovider", "--no-header")
+SURVIVED, KILLED, NOT_PLACED, NOT_RUN = 0, 1, 98, 99
+"""What the status of a process says; the last, that pytest could not even begin."""
 
-FIRST_TESTS = 60
-"""So many of those that run a mutant's line are tried first, the quickest."""
+MOST_SECONDS = 10.0
+"""Of tests that a mutant has to live through: some lines are run by a thousand."""
 
-MOST_SECONDS = 40.0
-"""Of tests, the quickest first, that a mutant has to live through: some lines are run
-by a thousand tests.
-"""
-
-LEAST_LIMIT = 20.0  # s of processor time, with what is imported
-COVERED, TRIED = "coverage.json", "tried.jsonl"
+LEAST_LIMIT = 10  # s of processor time for one test
+IMPORTING_LIMIT = 60  # s of processor time until the first test
+FEW = 60  # tests, by which it is checked that all is well without a mutant
+TRIED = "tried.jsonl"
 
 
-def cover(work: Path) -> None:
-    """Run the tests once; keep how long each takes and which lines each runs."""
-    try:
-        coverage = import_module("coverage")
-    except ModuleNotFoundError:
-        raise SystemExit(
-            "This needs the package coverage: pip install -e '.[benchmarks]'."
-        ) from None
-    pytest = import_module("pytest")
-    measured = coverage.Coverage(
-        branch=True, source=list(TRUSTED), data_file=str(work / "coverage")
-    )
-    listener = _Listener(measured)
-    measured.start()
-    files = [test for test in TESTS if Path(test).exists()]
-    failed = pytest.main(["-q", "-n0", "-p", "no:cacheprovider", *files], [listener])
-    measured.stop()
-    measured.save()
-    data = measured.get_data()
-    lines = {
-        _relative(file): {
-            str(line): [context for context in contexts if context]
-            for line, contexts in data.contexts_by_lineno(file).items()
-        }
-        for file in data.measured_files()
-    }
-    found = {"failed": int(failed), "seconds": listener.seconds, "lines": lines}
-    (work / COVERED).write_text(json.dumps(found))
-    measured.json_report(outfile=str(work / "branches.json"))
-    measured.report(show_missing=True, skip_covered=True)
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A mutant, or none, and the tests that it has to live through."""
+
+    mutant: Mutant | None
+    tests: tuple[str, ...]
 
 
-class _Listener:
-    """Tells coverage which test is running, and times it."""
-
-    def __init__(self, measured: Any) -> None:
-        self.measured = measured
-        self.seconds: dict[str, float] = {}
-
-    def pytest_runtest_logstart(self, nodeid: str) -> None:
-        self.measured.switch_context(nodeid)
-        self.seconds[nodeid] = -time.process_time()
-
-    def pytest_runtest_logfinish(self, nodeid: str) -> None:
-        self.seconds[nodeid] += time.process_time()
-        self.measured.switch_context("")
+Try = Callable[[Trial], str]
 
 
 def try_mutants(work: Path, sample: int, seed: int, seconds: float, only: str) -> None:
@@ -117,18 +70,23 @@ def try_mutants(work: Path, sample: int, seed: int, seconds: float, only: str) -
     ]
     drawn = random.Random(seed).sample(every, min(sample, len(every)))
     done = {entry["name"] for entry in entries(work)}
-    for name in HEAVY:
-        import_module(name)
-    _check_unchanged(covered["seconds"])
-    began = time.monotonic()
-    for mutant in drawn:
-        if mutant.name in done or only not in mutant.path:
-            continue
-        if time.monotonic() - began > seconds:
-            break
-        entry = {"name": mutant.name, "of": len(every), **_tried(mutant, covered)}
-        with (work / TRIED).open("a", encoding="utf-8") as file:
-            file.write(json.dumps(entry) + "\n")
+    waiting = [m for m in drawn if m.name not in done and only in m.path]
+
+    def go_through(imported_anew: Try, in_place: Try) -> None:
+        quickest = tuple(_ordered(covered["seconds"], covered["seconds"])[:FEW])
+        for way in (imported_anew, in_place):
+            if (fate := way(Trial(None, quickest))) != "survived":
+                raise SystemExit(f"The tests do not pass without a mutant: {fate}.")
+        began = time.monotonic()
+        for mutant in waiting:
+            if time.monotonic() - began > seconds:
+                break
+            found = _tried(mutant, covered, imported_anew, in_place)
+            entry = {"name": mutant.name, "of": len(every), **found}
+            with (work / TRIED).open("a", encoding="utf-8") as file:
+                file.write(json.dumps(entry) + "\n")
+
+    _with_both_ways(covered["seconds"], go_through)
 
 
 def entries(work: Path) -> list[dict[str, Any]]:
@@ -139,23 +97,60 @@ def entries(work: Path) -> list[dict[str, Any]]:
     return list({entry["name"]: entry for entry in found}.values())
 
 
-def _tried(mutant: Mutant, covered: dict[str, Any]) -> dict[str, Any]:
+def _tried(
+    mutant: Mutant, covered: dict[str, Any], imported_anew: Try, in_place: Try
+) -> dict[str, Any]:
     """Return what became of a mutant: killed, out of time, survived or not run."""
-    lines = covered["lines"].get(mutant.path, {})
-    tests = lines.get(str(mutant.line)) or [
-        test for contexts in lines.values() for test in contexts
-    ]
+    contexts = _contexts(mutant, covered["lines"].get(mutant.path, {}))
     seconds = covered["seconds"]
-    chosen = sorted(set(tests), key=lambda test: (seconds[test], test))
-    if not chosen:
-        return {"fate": "not run", "tests": 0}
-    fate = "survived"
+    chosen = _ordered({c for c in contexts if c != COLLECTING}, seconds)
     known = _within(chosen, seconds)
-    for some in (known[:FIRST_TESTS], known[FIRST_TESTS:]):
-        if some and fate == "survived":
-            limit = LEAST_LIMIT + 10.0 * sum(seconds[test] for test in some)
-            fate = _fate(mutant, some, int(limit))
-    return {"fate": fate, "tests": len(known), "left out": len(chosen) - len(known)}
+    found = {"tests": len(known), "left out": len(chosen) - len(known)}
+    if not chosen:
+        return {"fate": "not run", **found}
+    fate = ""
+    # What ran while tests were collected has left results of what is right.
+    if COLLECTING not in contexts and is_inside_function(mutant):
+        fate = in_place(Trial(mutant, tuple(known)))
+    for some in _first_files(known) if not fate else ():
+        fate = imported_anew(Trial(mutant, some))
+        if fate != "survived":
+            break
+    return {"fate": fate, **found}
+
+
+def _first_files(tests: list[str]) -> list[tuple[str, ...]]:
+    """Return the tests of two files, then the others: importing all takes longest."""
+    files = list(dict.fromkeys(test.partition("::")[0] for test in tests))[:2]
+    first = tuple(t for t in tests if t.partition("::")[0] in files)
+    rest = tuple(t for t in tests if t not in set(first))
+    return [some for some in (first, rest) if some]
+
+
+def _contexts(mutant: Mutant, lines: dict[str, list[str]]) -> set[str]:
+    """Return the tests that run a mutant's line, all of the module where none does.
+
+    Of a statement of many lines some are not told: the last one before counts.
+    """
+    before = [int(line) for line in lines if int(line) <= mutant.line]
+    found = set(lines[str(max(before))]) if before else {COLLECTING}
+    if found != {COLLECTING}:
+        return found
+    return {context for contexts in lines.values() for context in contexts}
+
+
+def _ordered(tests: Iterable[str], seconds: dict[str, float]) -> list[str]:
+    """Return the quickest first, the n-th case of one test as if n times as long.
+
+    What a hundred cases do not notice, the next hardly does.
+    """
+    cases: Counter[str] = Counter()
+    costs = {}
+    for test in sorted(tests, key=lambda test: (seconds[test], test)):
+        function = test.partition("[")[0]
+        cases[function] += 1
+        costs[test] = cases[function] * seconds[test]
+    return sorted(costs, key=lambda test: (costs[test], test))
 
 
 def _within(tests: list[str], seconds: dict[str, float]) -> list[str]:
@@ -168,71 +163,108 @@ def _within(tests: list[str], seconds: dict[str, float]) -> list[str]:
     ]
 
 
-def _check_unchanged(seconds: dict[str, float]) -> None:
-    """Refuse to go on where tests fail without a mutant: all would seem killed."""
-    quickest = sorted(seconds, key=lambda test: (seconds[test], test))[:FIRST_TESTS]
-    limit = LEAST_LIMIT + 10.0 * sum(seconds[test] for test in quickest)
-    if (fate := _fate(None, quickest, int(limit))) != "survived":
-        raise SystemExit(f"The tests do not pass without a mutant: {fate}.")
+def _with_both_ways(
+    seconds: dict[str, float], go_through: Callable[[Try, Try], None]
+) -> None:
+    """Have mutants tried from before and from after all tests were collected."""
+    for name in HEAVY:
+        import_module(name)
+    ours, theirs = Pipe()
+    if os.fork() == 0:
+        ours.close()
+        _serve(theirs, seconds)
+    theirs.close()
+
+    def imported_anew(trial: Trial) -> str:
+        ours.send(trial)
+        return str(ours.recv())
+
+    class Collected:
+        """Goes through the mutants where the tests would be run."""
+
+        def pytest_runtestloop(self, session: Any) -> bool:
+            items = {item.nodeid: item for item in session.items}
+
+            def begin(trial: Trial) -> int:
+                try:
+                    if trial.mutant is not None:
+                        give_other_code(trial.mutant)
+                except (LookupError, ValueError):
+                    return NOT_PLACED
+                return _live_through(session, [items[t] for t in trial.tests], seconds)
+
+            go_through(imported_anew, lambda trial: _fate(lambda: begin(trial)))
+            return True
+
+    files = [test for test in TESTS if Path(test).exists()]
+    import_module("pytest").main([*OPTIONS, *files], [Collected()])
+    ours.close()
 
 
-def _fate(mutant: Mutant | None, tests: list[str], limit: int) -> str:
-    """Run tests in a process of their own, and say what they made of a mutant."""
+def _serve(asked: Connection, seconds: dict[str, float]) -> None:
+    """Answer with what tests made of mutants, each imported anew; never return."""
+
+    class Chosen:
+        """Runs the tests that were collected, until one fails."""
+
+        def pytest_runtestloop(self, session: Any) -> bool:
+            if not session.testsfailed:
+                os._exit(_live_through(session, session.items, seconds))
+            return True
+
+    def begin(trial: Trial) -> int:
+        if trial.mutant is not None:
+            import_instead(trial.mutant)
+        found = import_module("pytest").main([*OPTIONS, *trial.tests], [Chosen()])
+        return KILLED if found else SURVIVED
+
+    try:
+        while True:
+            trial = asked.recv()
+            asked.send(_fate(lambda trial=trial: begin(trial)))
+    except EOFError:
+        os._exit(0)
+
+
+def _live_through(session: Any, items: Sequence[Any], seconds: dict[str, float]) -> int:
+    """Run tests until one fails; each may take ten times as long as it did."""
+    for item, following in zip(items, [*items[1:], None], strict=True):
+        _limit(LEAST_LIMIT + int(10.0 * seconds[item.nodeid]))
+        item.ihook.pytest_runtest_protocol(item=item, nextitem=following)
+        if session.testsfailed:
+            return KILLED
+    return SURVIVED
+
+
+def _limit(seconds: int) -> None:
+    """End this process after so much more processor time, or where it hangs."""
+    _, most = resource.getrlimit(resource.RLIMIT_CPU)
+    resource.setrlimit(resource.RLIMIT_CPU, (int(time.process_time()) + seconds, most))
+    signal.alarm(10 * seconds)
+
+
+def _fate(begin: Callable[[], int]) -> str:
+    """Return what tests made of a mutant; empty where it could not be placed."""
     child = os.fork()
     if child == 0:
-        _die_of_it(mutant, tests, limit)
+        _die_of_it(begin)
     _, status = os.waitpid(child, 0)
     if os.WIFSIGNALED(status):
         return "out of time"
     code = os.WEXITSTATUS(status)
     if code == NOT_RUN:
         raise SystemExit("pytest itself failed: what it says of mutants means nothing.")
-    return "killed" if code else "survived"
+    return {SURVIVED: "survived", NOT_PLACED: ""}.get(code, "killed")
 
 
-def _die_of_it(mutant: Mutant | None, tests: list[str], limit: int) -> None:
-    """Run the tests with the mutant in place of its module; never return."""
+def _die_of_it(begin: Callable[[], int]) -> None:
+    """Run the tests, say by the status what came of it, and never return."""
     code = NOT_RUN
     try:
-        resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
+        _limit(IMPORTING_LIMIT)
         silent = os.open(os.devnull, os.O_WRONLY)
         os.dup2(silent, 1)
         os.dup2(silent, 2)
-        if mutant is not None:
-            sys.meta_path.insert(0, _Finder(mutant))
-        options = ["-x", "-q", "-n0", "-p", "no:cacheprovider", "--no-header"]
-        code = int(import_module("pytest").main([*options, *tests]))
+        code = begin()
     finally:
         os._exit(code)
-
-
-class _Finder(MetaPathFinder):
-    """Finds the mutant's module, and nothing else."""
-
-    def __init__(self, mutant: Mutant) -> None:
-        self.mutant = mutant
-        self.name = mutant.path.removesuffix(".py").replace("/", ".")
-
-    def find_spec(
-        self, name: str, path: object = None, target: object = None
-    ) -> ModuleSpec | None:
-        """Return where the mutant's module comes from."""
-        if name != self.name:
-            return None
-        return spec_from_loader(name, _Mutated(self.mutant), origin=self.mutant.path)
-
-
-class _Mutated(Loader):
-    """Executes the mutant's tree as the module."""
-
-    def __init__(self, mutant: Mutant) -> None:
-        self.mutant = mutant
-
-    def exec_module(self, module: ModuleType) -> None:
-        """Execute the module with the change made."""
-        module.__file__ = str(Path(self.mutant.path).resolve())
-        exec(compile(mutated(self.mutant), module.__file__, "exec"), module.__dict__)
-
-
-def _relative(file: str) -> str:
-    return Path(file).resolve().relative_to(Path.cwd()).as_posix()

@@ -63,7 +63,7 @@ def partial_derivative(expression: sympy.Expr, symbol: sympy.Symbol) -> sympy.Ex
     """Return d(expression)/d(symbol), quickly where it is a coefficient."""
     if expression.is_Add:
         terms = [term for term in expression.args if symbol in term.free_symbols]
-        if len(terms) == 1 and len(expression.args) > 1:
+        if len(terms) == 1:
             return partial_derivative(terms[0], symbol)
     elif expression == symbol:
         return sympy.S.One

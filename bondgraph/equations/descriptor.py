@@ -91,10 +91,9 @@ class DescriptorSystem:
         )
 
     def _coupled(self, row: int, column: int) -> list[int]:
-        """Return the variables in the parts of the system that the two touch."""
+        """Return the output's variables, and those that the input moves."""
         near: dict[int, set[int]] = {}
         for i, j in {*self.A.todok(), *self.E.todok()}:
-            near.setdefault(i, set()).add(j)
             near.setdefault(j, set()).add(i)
         pending = [j for i, j in self.C.todok() if i == row]
         inputs = {*self.B.todok(), *self.B_rate.todok()}

@@ -65,7 +65,7 @@ class StoredEnergy:
     letter: str
     energy: sympy.Expr
     form: EnergyForm
-    is_power: bool = True
+    is_power: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,7 +75,7 @@ class Power:
     element: str
     letter: str
     power: sympy.Expr
-    is_power: bool = True
+    is_power: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -342,7 +342,9 @@ class _Powers:
         if len(kinds) < 2:
             return []
         power = -self._inflow(node, only_power=True)
-        return [Power(element=node.name, letter=letter(node), power=power)]
+        return [
+            Power(element=node.name, letter=letter(node), power=power, is_power=True)
+        ]
 
 
 _QUANTITY = {

@@ -21,7 +21,7 @@ class Factor:
     """
 
     coefficients: tuple[sympy.Expr, ...]
-    power: int = 1
+    power: int
 
     @property
     def degree(self) -> int:

@@ -37,8 +37,6 @@ class PowerProof:
 
         What the node itself defines is put in first, which nearly always suffices.
         """
-        if power == 0:
-            return True
         if sympy.expand(replaced(power, self._given_by.get(node, {}))) == 0:
             return True
         cut = sorted((x for x in power.free_symbols if x in self._cut), key=str)

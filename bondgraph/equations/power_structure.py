@@ -263,7 +263,7 @@ class _Bones:
                 *(
                     self._coefficient(f"{field.name}[{i + 1},{j + 1}]", slope) * x
                     for j, (slope, x) in enumerate(zip(slopes, arguments, strict=True))
-                    if slope != 0 or i == j
+                    if slope != 0
                 )
             )
 

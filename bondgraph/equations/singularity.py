@@ -5,6 +5,7 @@ put in, must have full rank. It is evaluated at arbitrary numbers for every symb
 that only a structural defect (a ring with unit gain, a constraint given twice) shows.
 """
 
+from dataclasses import dataclass
 from itertools import count
 from typing import Any
 
@@ -23,7 +24,7 @@ def refuse_singular(equations: StateEquations) -> None:
     if not equations.unknowns:
         return
     evaluate = _Somewhere()
-    rows = seeded(equations.unknowns, 1.0)
+    rows = seeded(equations.unknowns, _Sum(1.0, 1.0))
     early, late = equations.around_rates()
     rows = propagate(rows, early, evaluate)
     for state, rate in zip(equations.states, equations.rates, strict=True):
@@ -45,6 +46,33 @@ def refuse_singular(equations: StateEquations) -> None:
         )
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sum:
+    """A number and how large what it was summed from is: of rounding nothing is left.
+
+    It equals zero where less than a billionth is left.
+    """
+
+    value: float
+    size: float
+
+    def __add__(self, other: "_Sum") -> "_Sum":
+        return _Sum(self.value + other.value, self.size + other.size)
+
+    def __sub__(self, other: "_Sum") -> "_Sum":
+        return _Sum(self.value - other.value, self.size + other.size)
+
+    def __mul__(self, other: "_Sum") -> "_Sum":
+        product = self.value * other.value  # what was summed before counts no more
+        return _Sum(product, abs(product))
+
+    def __eq__(self, zero: object) -> bool:
+        assert zero == 0
+        return abs(self.value) <= TINY * self.size
+
+    __hash__ = None  # type: ignore[assignment]
+
+
 class _Somewhere:
     """Evaluates expressions at arbitrary, fixed, positive values of their symbols."""
 
@@ -53,13 +81,15 @@ class _Somewhere:
         self._values: dict[sympy.Symbol, sympy.Float] = {}
 
     def __call__(self, expression: sympy.Expr) -> Any:
-        if expression.is_Number:
-            return float(expression)
         for symbol in sorted(expression.free_symbols, key=lambda s: str(s.name)):
             if symbol not in self._values:
                 value = 0.5 + (next(self._next) * GOLDEN) % 1.0
                 self._values[symbol] = sympy.Float(value)
-        return float(expression.xreplace(self._values))
+        terms = [
+            float(term.xreplace(self._values))
+            for term in sympy.Add.make_args(expression)
+        ]
+        return _Sum(sum(terms), sum(map(abs, terms)))
 
 
 def _undetermined(matrix: list[Row]) -> list[int]:
@@ -68,16 +98,17 @@ def _undetermined(matrix: list[Row]) -> list[int]:
     defective = []
     for i, full in enumerate(matrix):
         row = dict(full)
-        scale = max((abs(v) for v in row.values()), default=0.0)
         for symbol, pivot in pivots.items():
-            if symbol in row:
-                factor = row.pop(symbol)
-                for other, value in pivot.items():
-                    row[other] = row.get(other, 0.0) - factor * value
-        best = max(row, key=lambda s: abs(row[s]), default=None)
-        if best is None or abs(row[best]) <= TINY * scale:
+            factor = row.pop(symbol, None)
+            if factor is None or factor == 0:
+                continue
+            for other, value in pivot.items():
+                row[other] = row.get(other, _Sum(0.0, 0.0)) - factor * value
+        left = {s: x for s, x in row.items() if x != 0}
+        if not left:
             defective.append(i)
             continue
-        head = row.pop(best)
-        pivots[best] = {s: v / head for s, v in row.items() if v != 0.0}
+        best = max(left, key=lambda s: abs(left[s].value))
+        head = _Sum(1.0 / left[best].value, 0.0)
+        pivots[best] = {s: x * head for s, x in left.items() if s != best}
     return defective

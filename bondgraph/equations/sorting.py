@@ -176,7 +176,6 @@ def cut_loops(
         # One at a time, since one may open the loop of another; of many a part at a
         # time, so that the cost stays near linear.
         chosen = chosen[: 1 + len(chosen) // MANY]
-        liked.difference_update(chosen)
         cut.update(dict.fromkeys(chosen, tuple(loop)))
         members = set(loop)
         inside = {s: tuple(d for d in graph[s] if d in members) for s in loop}

@@ -162,8 +162,6 @@ def _closed(
 
 def _antiderivative(core: sympy.Expr, x: sympy.Symbol) -> sympy.Expr | None:
     base, power = core.as_base_exp()
-    if core == 1:
-        return x
     if base == x and power.is_Integer and power != -1:
         return x ** (power + 1) / (power + 1)
     kinked = _of_a_kink(base, power, x)

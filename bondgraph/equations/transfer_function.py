@@ -162,7 +162,6 @@ def _roots(coefficients: list[sympy.Expr]) -> tuple[complex, ...]:
         trimmed.pop()
         at_zero += 1
     roots = [0j] * at_zero
-    if len(trimmed) > 1:
-        polynomial = sympy.Poly([sympy.N(c, 30) for c in trimmed], s)
-        roots += [complex(r) for r in polynomial.nroots(n=15, maxsteps=500)]
+    polynomial = sympy.Poly([sympy.N(c, 30) for c in trimmed], s)
+    roots += [complex(r) for r in polynomial.nroots(n=15, maxsteps=500)]
     return tuple(sorted(roots, key=lambda r: (abs(r), r.imag)))

@@ -69,7 +69,7 @@ def chunk_count(fitted: FittedModel) -> int:
         return MOST_CHUNKS
     longest = max(correlation_time(column) for column in residuals.T)
     independent = len(residuals) // (APART * longest)
-    return int(np.clip(independent, LEAST_CHUNKS, MOST_CHUNKS))
+    return max(LEAST_CHUNKS, min(independent, MOST_CHUNKS))
 
 
 def chunk_labels(problem: FitProblem, chunks: int) -> NDArray[np.int64]:
@@ -150,7 +150,7 @@ def _settle_unseen(
 ) -> Array:
     """Give windows that lie wholly in the test set initial states from their begin."""
     unseen = np.array([bool(test[part].all()) for part in problem.shots.slices])
-    if not unseen.any() or problem.model.n_states == 0:
+    if not unseen.any():
         return initial
     windows = np.flatnonzero(unseen)
     shown = np.where((test & ~begins)[:, None], np.nan, problem.shots.outputs)
