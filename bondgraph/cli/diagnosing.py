@@ -7,6 +7,7 @@ from pathlib import Path
 from bondgraph.cli.resuming import kept_for_later
 from bondgraph.cli.session import Loudness, Session
 from bondgraph.cli.terminal import table_style
+from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.records import Diagnosis, Evidence, Support, Verdict
 from bondgraph.diagnosis.work.workers import Here, Where
@@ -125,7 +126,19 @@ def _verdict(session: Session, diagnosis: Diagnosis) -> str:
     styled = session.styled(
         verdict, sys.stdout, fg=_COLOURS[diagnosis.verdict], bold=True
     )
-    return f"{styled}\n{diagnosis.statement}"
+    return "\n".join((styled, diagnosis.statement, *_how_sure(diagnosis)))
+
+
+def _how_sure(diagnosis: Diagnosis) -> Iterator[str]:
+    """Yield how often each finding predicts best, where that is known."""
+    told = ", ".join(
+        f"{name_of(finding.physics)} at {finding.place} "
+        f"{100 * finding.probability:.0f} of 100"
+        for finding in diagnosis.findings
+        if finding.probability is not None
+    )
+    if told:
+        yield f"How sure, from resamples of the left-out data: {told}."
 
 
 def _told(session: Session, diagnosis: Diagnosis) -> Iterator[str]:

@@ -8,7 +8,7 @@ from bondgraph.fitting.result import Score
 VERDICTS = {
     Verdict.ADEQUATE: "Nothing is missing",
     Verdict.PHYSICS_MISSING: "Physics is missing",
-    Verdict.UNEXPLAINED: "Something is missing that has no name here",
+    Verdict.UNEXPLAINED: "Something is missing that no known law explains",
     Verdict.CANNOT_TELL: "These recordings cannot tell",
 }
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

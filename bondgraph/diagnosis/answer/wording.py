@@ -8,6 +8,7 @@ from bondgraph.diagnosis.experiment.records import Experiment
 from bondgraph.diagnosis.records import Finding
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.result import Estimate
+from bondgraph.structure.domains import ROTATION, TRANSLATION
 
 NAMES = {
     "coulomb_friction": "Coulomb (dry) friction",
@@ -142,10 +143,12 @@ def _separate_places(alike: Sequence[str], base: FittedModel) -> str:
             f"To tell {' and '.join(alike)} apart, compare {listed(sensors)} with a "
             "reference that is known to read right."
         )
-    effort = base.graph.domain_at(alike[0]).effort
+    domain = base.graph.domain_at(alike[0])
+    moving = domain in (TRANSLATION, ROTATION)
     return (
-        f"To tell {' and '.join(alike)} apart, measure the {effort} on a bond between "
-        "them; no motion sensor can while they move together."
+        f"To tell {' and '.join(alike)} apart, measure the {domain.effort} on a bond "
+        "between them"
+        + ("; no motion sensor can while they move together." if moving else ".")
     )
 
 
