@@ -155,7 +155,7 @@ def _gone_on(bench: Bench, reached: list[ShortFit], most: int) -> list[ShortFit]
         and one.hypothesis.physics != CURVE
     ][:most]
     trials = [one.as_start(with_states=True) for one in coming]
-    trials += _from_what_they_contain(reached)
+    trials += _from_what_they_contain(reached, ON_THE_WAY * lead)
     longer = bench.run(fit_on, trials, "longer fits", few=True)
     there = _reached(bench, zip([t.hypothesis for t in trials], longer, strict=True))
     best: dict[int, ShortFit] = {}
@@ -166,18 +166,25 @@ def _gone_on(bench: Bench, reached: list[ShortFit], most: int) -> list[ShortFit]
     return sorted(best.values(), key=lambda one: -one.reduction)
 
 
-def _from_what_they_contain(reached: Sequence[ShortFit]) -> list[Trial]:
+def _from_what_they_contain(reached: Sequence[ShortFit], least: float) -> list[Trial]:
     """Return fits of laws that are behind one that they contain, begun where it ended.
 
-    With nothing added they are as good, and can only gain from there.
+    With nothing added they are as good, and can only gain from there. Each begins at
+    the best that it contains, as far as that takes away `least`.
     """
-    return [
-        Trial(wide.hypothesis, narrow.as_start(with_states=True).starts)
-        for wide in reached
-        for narrow in reached
-        if wide.reduction < narrow.reduction
-        and wide.hypothesis.contains(narrow.hypothesis)
-    ]
+    trials = []
+    for wide in reached:
+        contained = (
+            narrow
+            for narrow in reached
+            if narrow.reduction > max(wide.reduction, least)
+            and wide.hypothesis.contains(narrow.hypothesis)
+        )
+        best = next(contained, None)  # They are in order.
+        if best is not None:
+            starts = best.as_start(with_states=True).starts
+            trials.append(Trial(wide.hypothesis, starts))
+    return trials
 
 
 def _related(
