@@ -9,6 +9,7 @@ from bondgraph import GY, TF, BondGraph, C, I, R, Se, Sf, assign_causality, f
 from bondgraph.causality.assignment import _decide
 from bondgraph.causality.choices import choices
 from bondgraph.causality.propagation import StrokeBoard
+from bondgraph.causality.records import Rule
 from bondgraph.errors import CausalConflictError
 from bondgraph.structure.elements import letter
 
@@ -99,6 +100,21 @@ def test_work_grows_linearly_with_bonds() -> None:
     large, many = visits(80)
     assert large / many == pytest.approx(small / few, rel=0.1)
     assert large <= 3 * many
+
+
+def test_a_conflict_names_no_bond_whose_stroke_was_taken_back() -> None:
+    graph = BondGraph("three resistances")
+    graph.zero("node", R("a"), R("b"), R("c"))
+    board = StrokeBoard(graph.finish())
+    node = next(i for i, one in enumerate(board.nodes) if one.name == "node")
+    first, second, third = board.at[node]
+    board.set(first, node, Rule.CHOICE, node)
+    board.undo(0)
+    for bond in (second, third):  # Two efforts cannot both be the node's.
+        board.set(bond, node, Rule.CHOICE, node)
+    found = board.propagate()
+    assert found is not None
+    assert (found.node, found.bonds) == (node, (second, third))
 
 
 def conflict(graph: BondGraph) -> CausalConflictError:
