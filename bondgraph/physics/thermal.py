@@ -38,11 +38,8 @@ class Radiation(AbstractPhysics):
             return
         absolute = place.effort > COLD
         zero = place.constant("radiation_zero", "K", 0.0 if absolute else ICE)
-        # Counted from the room itself, a room is as cold as the zero.
-        rooms = (ROOM, ROOM) if absolute else (ROOM, ICE)
-        room = place.shape("radiation_room", "K", 2 * rooms, low=200.0, high=600.0)
-        some = 0.2 * place.flow
-        k = place.strength("radiation", "W", (0.0, 0.0, some, some), low=0.0)
+        room = place.shape("radiation_room", "K", (ROOM,), low=200.0, high=600.0)
+        k = place.strength("radiation", "W", (0.0, 0.2 * place.flow), low=0.0)
         hot = (e + zero.symbol) / ROOM
         law = k.symbol * (hot**4 - (room.symbol / ROOM) ** 4)
         element = Resistance(place.name_of(self.word), law=law)
