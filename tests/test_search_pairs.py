@@ -59,6 +59,8 @@ def test_what_hides_behind_each_other_is_found_together():
     assert len(reasons) == 2
     assert all("together with" in reason for reason in reasons)
     assert all(one.probability > 0.7 for one in found.findings)
+    # Half of what both take away is counted for each, and so nothing is left.
+    assert "remains" not in found.statement
 
 
 def test_two_laws_within_the_noise_are_not_told():

@@ -8,6 +8,7 @@ import pytest
 from handmade_diagnosis import cart_diagnosis
 
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
+from bondgraph.diagnosis.answer.found import doubted
 from bondgraph.diagnosis.answer.leftover import excusable
 from bondgraph.diagnosis.answer.verdict import (
     verdict_of,
@@ -127,3 +128,13 @@ def test_a_curve_that_makes_held_out_data_worse_says_so_too():
     answer, statement = worse_held_out(Verdict.UNEXPLAINED, "A curve.", shown)
     assert answer is Verdict.UNEXPLAINED
     assert "does not carry over" in statement
+
+
+@pytest.mark.parametrize(("left", "believed"), [(0.05, 1.0), (0.4, 0.6), (3.0, 0.0)])
+def test_what_remains_beside_findings_counts_against_each(left, believed):
+    (finding, *_) = cart_diagnosis().findings
+    unknown = replace(finding, probability=None)
+    (known, silent) = doubted([finding, unknown], left)
+    assert finding.probability
+    assert known.probability == pytest.approx(believed * finding.probability)
+    assert silent.probability is None

@@ -23,6 +23,9 @@ from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.spread import changes, spread
 
+MUCH_REMAINING = 0.1
+"""More than this share of the error is worth saying that it remains."""
+
 MENDS_SHAPE = (
     " It takes away little beside what was found before, and may only mend its shape."
 )
@@ -182,6 +185,27 @@ def remaining(rounds: Sequence[Round], floor: Mapping[str, float]) -> float:
     # The gains are of the errors of all outputs together, weighted by these scales.
     beyond = 1.0 - float(np.sum(np.minimum(noise, power)) / np.sum(power))
     return max(share - (1.0 - beyond), 0.0) / max(beyond, 1e-12)
+
+
+def doubted(findings: Sequence[Finding], left: float) -> list[Finding]:
+    """Return the findings, less probable where much remains beside them.
+
+    What remains may be the cause, and have bent a law of the library to it.
+
+    Parameters
+    ----------
+    left
+        The share of the error that the findings leave beyond noise.
+    """
+    if left < MUCH_REMAINING:
+        return list(findings)
+    believed = 1.0 - min(left, 1.0)
+    return [
+        finding
+        if finding.probability is None
+        else replace(finding, probability=believed * finding.probability)
+        for finding in findings
+    ]
 
 
 def _per_sample(errors: LeftOutErrors) -> float:

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
+from bondgraph.diagnosis.answer.found import MUCH_REMAINING
 from bondgraph.diagnosis.answer.leftover import (
     ADEQUATE_RATIO,
     residual_over_noise,
@@ -24,9 +25,6 @@ NOTHING = (AdequacyStatus.ADEQUATE, AdequacyStatus.COLOURED)
 
 MOST_REMAINING = 0.5
 """Findings that leave more than this share of the error have not found the cause."""
-
-MUCH_REMAINING = 0.1
-"""More than this share of the error is worth saying that it remains."""
 
 TRACE = 0.05
 """A smaller share of what a model leaves does not matter, however sure it is."""

@@ -77,7 +77,16 @@ def two_rounds(setting: Setting, found: Round, shop: Workshop) -> tuple[Round, .
     pair = _plainest(supported, options.rule)
     if pair is None or not _holds(setting, pair.both):
         return ()
-    first = _round(found, pair, pair.first, supported, seen, options.rule)
+    # As if the first had left half of what both take away, which neither does alone.
+    whole = next(told for one, told in supported if one is pair)
+    times = 1.0 / (1.0 - half_of(whole.gain).value)
+    halfway = [
+        (one, replace(told, errors=_times(told.errors, times)))
+        for one, told in supported
+    ]
+    alone = {key: _times(errors, times) for key, errors in seen.alone.items()}
+    at_first = replace(seen, alone=alone)
+    first = _round(found, pair, pair.first, halfway, at_first, options.rule)
     second = _round(
         Round(pair.first.fitted, found.tried), pair, pair.second, supported, seen,
         options.rule,
@@ -217,6 +226,10 @@ def _round(
     return replace(
         before, judged=(*before.judged, *judged), chosen=chosen, probability=sure
     )
+
+
+def _times(errors: LeftOutErrors, times: float) -> LeftOutErrors:
+    return replace(errors, chunks=times * errors.chunks, noise=times * errors.noise)
 
 
 def half_of(gain: Gain) -> Gain:
