@@ -133,8 +133,7 @@ def test_a_curve_that_makes_held_out_data_worse_says_so_too():
 @pytest.mark.parametrize(("left", "believed"), [(0.05, 1.0), (0.4, 0.6), (3.0, 0.0)])
 def test_what_remains_beside_findings_counts_against_each(left, believed):
     (finding, *_) = cart_diagnosis().findings
-    unknown = replace(finding, probability=None)
-    (known, silent) = doubted([finding, unknown], left)
-    assert finding.probability
-    assert known.probability == pytest.approx(believed * finding.probability)
+    both = [replace(finding, probability=stated) for stated in (0.8, None)]
+    known, silent = doubted(both, left)
+    assert known.probability == pytest.approx(believed * 0.8)
     assert silent.probability is None
