@@ -10,9 +10,9 @@ from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import Promised
 from bondgraph.diagnosis.search.fits import (
+    ShortFit,
     _from_relative,
     _from_what_they_contain,
-    _Reached,
     fit_best,
 )
 from bondgraph.diagnosis.search.sharper import sharpened
@@ -131,8 +131,10 @@ def test_a_short_fit_of_a_wider_law_begins_where_a_narrower_one_has_ended(bench)
         "initial": [],
         "solver": ("RungeKutta4", 1),
     }
-    ahead, behind = _Reached(0.8, dry, ended), _Reached(0.4, wide, ended)
-    (trial,) = _from_what_they_contain([ahead, behind])
+    ahead, behind = ShortFit(0.8, dry, ended), ShortFit(0.4, wide, ended)
+    (trial,) = _from_what_they_contain([ahead, behind], 0.1)
     assert trial.hypothesis is wide
     assert trial.starts[0].values == {"coulomb_cart": DRY}
-    assert _from_what_they_contain([replace(behind, reduction=0.9), ahead]) == []
+    ahead_too = replace(behind, reduction=0.9)
+    assert _from_what_they_contain([ahead_too, ahead], 0.1) == []
+    assert _from_what_they_contain([ahead, behind], 0.9) == []

@@ -28,7 +28,7 @@ from bondgraph.diagnosis.search.one_round import (
     one_round,
 )
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.removal import pruned, swallowed
+from bondgraph.diagnosis.search.removal import fitted_with, pruned, swallowed
 from bondgraph.diagnosis.search.together import two_rounds
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.estimate import FittedModel
@@ -37,6 +37,8 @@ from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.parameters import Parameter
 
 Array = NDArray[np.float64]
+ENDED_EARLY = 0.9
+"""A fit that leaves less than this share of the cost shows that another ended early."""
 
 
 def search(
@@ -70,6 +72,11 @@ def search(
         much = left_beside(base, current, noise) > options.rule.materiality
         setting = Setting(current, recordings, noise, options, number, added, much)
         found = one_round(setting, shop)
+        nested = _better_without(current, found)
+        if nested is not None:
+            shop.progress(f"round {number}: again, from a better fit of the model")
+            current, base = nested, (base if rounds else nested)
+            continue
         done = shop.limit.undone
         shop.progress(f"round {number}: trying without what was added before")
         reached = Reached(base, current, added, noise)
@@ -90,6 +97,19 @@ def search(
         gains += [one.chosen.gain.value for one in made if one.chosen is not None]
         if beside_earlier(gains)[-1] < MERE_SHAPE:
             return [*rounds, Round(current)]
+
+
+def _better_without(current: FittedModel, found: Round) -> FittedModel | None:
+    """Return a clearly better fit of the model itself, where an addition has led to it.
+
+    A fit that ended too early makes discoveries of its own misfit: each addition gives
+    it another way on. So the model is fitted from where the chosen one has ended, too.
+    """
+    if found.chosen is None or found.cut_short:
+        return None
+    nested = fitted_with(current, found.chosen.candidate.fitted, (), {})
+    better = nested.optimum.cost < ENDED_EARLY * current.optimum.cost
+    return nested if better else None
 
 
 def _made(
