@@ -43,6 +43,7 @@ from bondgraph.diagnosis.virtual.sources import (
     chosen_sources,
     virtual_model,
 )
+from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.domains import ROTATION
@@ -110,7 +111,8 @@ def locate(
     Raises
     ------
     FitError
-        If a place is not in the model.
+        If a place is not in the model, or the model, as it was fitted, cannot be
+        simulated with a signal at any of them.
     """
     sources = chosen_sources(fitted.graph, places)
     setting = _Setting(
@@ -120,10 +122,18 @@ def locate(
         noise_scale(fitted, recordings),
     )
     reference, first = better_reference(fitted, setting.virtual, sources, setting.noise)
-    found = [
+    tried = (
         _found(setting, source, reference, one)
         for source, one in zip(sources, first, strict=True)
-    ]
+    )
+    found = [one for one in tried if one is not None]
+    if not found:
+        raise FitError(
+            f"No missing signal can be recovered with the fitted {fitted.graph.name!r}: "
+            "its steps overflow.",
+            (fitted.graph.name,),
+            "Give bounds that keep its parameters near what the machine can have.",
+        )
     least = min(one.least for one in found)
     refined = [
         _refined(setting, one) if one.least <= PROMISING * least else one
@@ -135,12 +145,17 @@ def locate(
 
 def _found(
     setting: _Setting, source: VirtualSource, reference: Reference, first: First
-) -> _Found:
-    """Smooth the signal at a place and try every law on what is local there."""
+) -> _Found | None:
+    """Smooth the signal at a place and try every law on what is local there.
+
+    None where the model cannot be simulated with what the signal would make of it.
+    """
     fitted, noise = setting.fitted, setting.noise
     settled = settled_at(fitted, setting.virtual, source, reference, first, noise)
     chain, states = settled.chain, settled.smoothed.states
     base = baseline(chain, noise, settled.std, settled.center - settled.theta)
+    if not np.isfinite(base.target).all():
+        return None
     laws, own = _laws(setting, source, chain, settled.theta, states)
     tried = tuple(_try(setting, settled, base, chain, settled.theta, x) for x in laws)
     without = explain(base, np.zeros((len(base.target), 0))).left / base.target.size
