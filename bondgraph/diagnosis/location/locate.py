@@ -129,8 +129,8 @@ def locate(
     found = [one for one in tried if one is not None]
     if not found:
         raise FitError(
-            f"No missing signal can be recovered with the fitted {fitted.graph.name!r}: "
-            "its steps overflow.",
+            f"No missing signal can be recovered with {fitted.graph.name!r} as it was "
+            "fitted: its steps overflow.",
             (fitted.graph.name,),
             "Give bounds that keep its parameters near what the machine can have.",
         )
