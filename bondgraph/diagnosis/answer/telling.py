@@ -20,9 +20,10 @@ from bondgraph.diagnosis.answer.wording import next_experiment
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.records import Comparison, Diagnosis
 from bondgraph.diagnosis.search.candidates import Candidate
+from bondgraph.diagnosis.search.horizons import refitted
 from bondgraph.diagnosis.search.one_round import Round, accepted
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.fitting.estimate import FittedModel, fit_model, report
+from bondgraph.fitting.estimate import FittedModel, report
 from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
@@ -115,8 +116,7 @@ def _delivered(
         solver=final.problem.solver,
         hold=final.problem.hold,
     )
-    graph = final.graph.with_parameters(final.values)
-    return report(fit_model(graph, everything, settings), start, everything)
+    return report(refitted(final, everything, settings), start, everything)
 
 
 def _comparison(

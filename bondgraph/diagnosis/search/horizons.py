@@ -17,6 +17,7 @@ from bondgraph.fitting.estimate import (
     FittedModel,
     accumulates,
     choose_horizon,
+    first_guess,
     fit_model,
     prepare,
 )
@@ -26,10 +27,13 @@ from bondgraph.fitting.horizon import (
     Horizon,
     WholeRecordings,
     Windows,
+    cut,
 )
+from bondgraph.fitting.levenberg_marquardt import minimise, settle
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
 
+SETTLE_ITERATIONS, ITERATIONS = 25, 60
 SAME = 1.02
 """Errors within this factor are the same."""
 
@@ -68,8 +72,8 @@ def sharpened(
     settings = replace(
         options.settings, solver=fitted.problem.solver, hold=fitted.problem.hold
     )
-    graph = fitted.graph.with_parameters(fitted.values)
     if isinstance(settings.horizon, Automatic):
+        graph = fitted.graph.with_parameters(fitted.values)
         model = fitted.problem.model
         horizon = choose_horizon(graph, model, recordings, settings)
         settings = replace(settings, horizon=horizon)
@@ -80,3 +84,28 @@ def sharpened(
         simulate_whole(one, recordings).score.nrmse for one in (fitted, refitted)
     )
     return refitted if after <= SAME * before else fitted
+
+
+def refitted(
+    fitted: FittedModel, recordings: Sequence[BoundRecording], settings: FitSettings
+) -> FittedModel:
+    """Return the model fitted to recordings, from the values that it has at least.
+
+    A fit that begins anew may end early where its values were hard to find, over a
+    sharp edge for instance. So it is begun as well from the states that the model
+    passes at the begin of each window when it runs through whole recordings.
+    """
+    graph = fitted.graph.with_parameters(fitted.values)
+    anew = fit_model(graph, recordings, settings)
+    problem = anew.problem
+    theta = np.array([fitted.values[name] for name in problem.free_names])
+    whole = replace(problem, shots=cut(recordings, WholeRecordings()))
+    if not np.array_equal(whole.shots.time, problem.shots.time):
+        return anew  # Windows have left samples out.
+    begin = first_guess(whole, theta)
+    _, along = settle(whole, theta, begin, SETTLE_ITERATIONS)
+    states = along.states[list(problem.shots.edges[:-1])]
+    if not np.isfinite(states).all():
+        return anew
+    known = minimise(problem, theta, states, iterations=ITERATIONS)
+    return replace(anew, optimum=known) if known.cost < anew.optimum.cost else anew
