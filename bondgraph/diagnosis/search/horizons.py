@@ -72,18 +72,18 @@ def sharpened(
     settings = replace(
         options.settings, solver=fitted.problem.solver, hold=fitted.problem.hold
     )
+    graph = fitted.graph.with_parameters(fitted.values)
     if isinstance(settings.horizon, Automatic):
-        graph = fitted.graph.with_parameters(fitted.values)
         model = fitted.problem.model
         horizon = choose_horizon(graph, model, recordings, settings)
         settings = replace(settings, horizon=horizon)
-    refitted = fit_model(graph, recordings, settings)
-    if not np.isfinite(refitted.optimum.cost):
+    final = fit_model(graph, recordings, settings)
+    if not np.isfinite(final.optimum.cost):
         return fitted
     before, after = (
-        simulate_whole(one, recordings).score.nrmse for one in (fitted, refitted)
+        simulate_whole(one, recordings).score.nrmse for one in (fitted, final)
     )
-    return refitted if after <= SAME * before else fitted
+    return final if after <= SAME * before else fitted
 
 
 def refitted(
