@@ -11,9 +11,9 @@ from bondgraph import BondGraph, R, Recording, Sf, bind_to, diagnose
 from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.evidence.gain import Gain
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
+from bondgraph.diagnosis.evidence.two import each_needed, half_of
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.together import each_needed, half_of
 from bondgraph.physics.drag import QuadraticDrag
 from bondgraph.physics.friction import CoulombFriction
 
@@ -41,10 +41,12 @@ def recorded(graph, friction, drag, seed, samples=1500):
     return bind_to(graph, Recording.from_arrays(f"run {seed}", time, channels))
 
 
-def said(friction, drag):
+LIBRARY = (CoulombFriction(), QuadraticDrag())
+
+
+def said(friction, drag, library=LIBRARY):
     graph = slider()
     training, held_out = (recorded(graph, friction, drag, seed) for seed in (1, 2))
-    library = (CoulombFriction(), QuadraticDrag())
     options = Options(library=library)
     return diagnose(graph, [training], held_out=[held_out], options=options)
 
@@ -61,6 +63,15 @@ def test_what_hides_behind_each_other_is_found_together():
     assert all(one.probability > 0.7 for one in found.findings)
     # Half of what both take away is counted for each, and so nothing is left.
     assert "remains" not in found.statement
+
+
+def test_the_order_of_the_library_decides_nothing():
+    values = [
+        {e.name: e.value for one in found.findings for e in one.estimates}
+        for found in (said(FRICTION, DRAG), said(FRICTION, DRAG, LIBRARY[::-1]))
+    ]
+    assert values[0] == pytest.approx(values[1], rel=1e-6)
+    assert len(values[0]) == 2
 
 
 def test_two_laws_within_the_noise_are_not_told():

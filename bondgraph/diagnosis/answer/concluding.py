@@ -9,7 +9,6 @@ import numpy as np
 
 from bondgraph.diagnosis.adequacy.adequacy import adequacy
 from bondgraph.diagnosis.adequacy.records import Adequacy
-from bondgraph.diagnosis.answer.found import remaining
 from bondgraph.diagnosis.answer.leftover import noise_floor
 from bondgraph.diagnosis.answer.long_run import off_in_the_long_run
 from bondgraph.diagnosis.answer.verdict import (
@@ -32,7 +31,7 @@ def concluded(
     rounds: Sequence[Round],
     findings: Sequence[Finding],
     wrong: Sequence[Finding],
-    trained: Comparison,
+    left: float,
     shown: Comparison,
     recordings: Sequence[BoundRecording],
     options: Options,
@@ -43,13 +42,12 @@ def concluded(
     ----------
     findings, wrong
         Laws that were found, and stated values that the fit has left.
-    trained, shown
-        Whole simulations before and after, of training and of held-out recordings.
+    left
+        The share of the error that the findings leave beyond noise.
+    shown
+        Whole simulations of the held-out recordings, before and after.
     """
     base, made, floor = rounds[0].base, accepted(rounds), noise_floor(recordings)
-    left = remaining(rounds, floor)
-    if not trained.after.nrmse < trained.before.nrmse:
-        left = max(left, 1.0)
     checked = _checked(base, recordings, made)
     verdict, statement = verdict_of(findings, base, floor, rounds[0], left, checked)
     statement = with_undecided(verdict, statement, rounds[-1], options.rule)

@@ -45,12 +45,15 @@ def answer(
     before, after = report(base, graph, recordings), report(final, graph, recordings)
     made = accepted(rounds)
     told, others = findings_of(made, after, held_out, options)
-    findings = doubted(told, remaining(rounds, noise_floor(recordings)))
     trained = _comparison(base, final, recordings)
     shown = _comparison(base, final, held_out)
+    left = remaining(rounds, noise_floor(recordings))
+    if not trained.after.nrmse < trained.before.nrmse:
+        left = max(left, 1.0)
+    findings = doubted(told, left)
     wrong = contradicted(graph, after.estimates)
     verdict, statement = concluded(
-        rounds, findings, wrong, trained, shown, recordings, options
+        rounds, findings, wrong, left, shown, recordings, options
     )
     close = left_close(rounds, others, verdict)
     experiment, undesigned = (

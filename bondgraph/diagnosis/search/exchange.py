@@ -81,7 +81,7 @@ def exchanged(
     newcomers
         Laws judged as additions to the current model.
     tried
-        How many independent hypotheses they are the best of.
+        How many hypotheses they are the best of.
     """
     some = [j for j in newcomers if j.gain.value > ERRORS * j.gain.std]
     if not some or not reached.added:

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.answer.showing import simulate_whole
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.evidence.judging import Verdicts, judge_all
 from bondgraph.diagnosis.search.bench import Bench
@@ -22,24 +21,17 @@ from bondgraph.diagnosis.search.candidates import (
     Rejected,
     propose_all,
 )
-from bondgraph.diagnosis.search.determined import determined
 from bondgraph.diagnosis.search.finer import as_fine_as_told
 from bondgraph.diagnosis.search.fits import fit_best, fit_remembering
-from bondgraph.diagnosis.search.memory import remembering
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.screening import screen
-from bondgraph.diagnosis.search.vanished import without_vanished
+from bondgraph.diagnosis.search.worth import holds_for_whole, worth_judging
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.recordings.binding import BoundRecording
 
 Array = NDArray[np.float64]
-
-RUINED = 2.0
-"""A law with which whole recordings are simulated so many times worse is not the one:
-it fits by states that one has to know, a runaway of its own for instance.
-"""
 
 MUCH = 0.5
 """A residual of which so much is not noise, and of which nothing at all is found, is
@@ -202,19 +194,14 @@ def _judged(
     base, recordings, rule = setting.base, setting.recordings, setting.options.rule
     least = rule.materiality / 2
     material = [c for c in fitted if c.reduction(base) >= least]
-    there, vanished = without_vanished(material)
-    known, undetermined = determined(base, there)
-    worth, forgetful = remembering(base, known, recordings)
+    worth, rejected = worth_judging(base, material, recordings)
     worth.sort(key=lambda candidate: order[candidate.hypothesis.told_by])
-    before = simulate_whole(base, recordings).score.nrmse
 
     def holds(candidate: Candidate) -> bool:
-        """Return whether whole recordings are simulated about as well as before."""
-        after = simulate_whole(candidate.fitted, recordings).score.nrmse
-        return not after > RUINED * before
+        return holds_for_whole(base, candidate, recordings)
 
     verdicts = judge_all(bench, worth, tried, rule, setting.noise, holds)
-    return _Look(verdicts, (*vanished, *undetermined, *forgetful))
+    return _Look(verdicts, rejected)
 
 
 @dataclass(frozen=True, slots=True)

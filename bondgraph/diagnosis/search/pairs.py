@@ -6,9 +6,11 @@ two has bent all other numbers may not find the way back; so each pair is begun 
 both, and with the numbers of either.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from operator import attrgetter
+from typing import TypeVar
 
 from bondgraph.diagnosis.evidence.judging import first_twin
 from bondgraph.diagnosis.search.bench import Bench
@@ -57,9 +59,18 @@ class Pair:
     both: Candidate
 
     @property
+    def cost(self) -> float:
+        """What both together leave of the training data."""
+        return self.both.cost
+
+    @property
     def complexity(self) -> int:
         """How many fitted parameters the two add together."""
         return self.first.complexity + self.both.complexity
+
+    def has(self, one: Candidate) -> bool:
+        """Return whether one of the two is this very candidate."""
+        return one is self.first or one is self.second
 
     def without(self, one: Candidate) -> Candidate:
         """Return the other of the two, as fitted alone."""
@@ -119,7 +130,7 @@ class Pairing:
             start
             for kept in (pair.first, pair.second)
             for other in self.singles
-            if other is not pair.first and other is not pair.second
+            if not pair.has(other)
             for start in self._begun(kept, other, _from_either(pair.both, other)[:1])
         ]
         return self._ended(_leading(begun, self.bench.few.optimum.cost, HOPELESS))
@@ -154,7 +165,7 @@ class Pairing:
                 [done.trial], [done.result]
             )
         ]
-        return sorted(found, key=lambda pair: pair.both.cost)
+        return sorted(found, key=attrgetter("cost"))
 
 
 def _from_either(one: Candidate, other: Candidate) -> list[tuple[Start, ...]]:
@@ -201,6 +212,17 @@ def _kept(
     ]
 
 
+_Fit = TypeVar("_Fit", Pair, _Begun)
+
+
+def best_of_each(fits: Iterable[_Fit]) -> list[_Fit]:
+    """Return the best fit of every two laws, whichever came first, the best first."""
+    best: dict[frozenset[int], _Fit] = {}
+    for fit in sorted(fits, key=attrgetter("cost")):
+        best.setdefault(frozenset((id(fit.first), id(fit.second))), fit)
+    return list(best.values())
+
+
 def _leading(begun: Sequence[_Begun], cost: float, share: float) -> list[_Begun]:
     """Return the best fit of every pair, the best first, as far as they lead.
 
@@ -211,10 +233,7 @@ def _leading(begun: Sequence[_Begun], cost: float, share: float) -> list[_Begun]
     share
         Of the best reduction of this cost, that a pair must reach.
     """
-    best: dict[frozenset[int], _Begun] = {}
-    for one in sorted(begun, key=lambda one: one.cost):
-        best.setdefault(frozenset((id(one.first), id(one.second))), one)
-    ranked = list(best.values())
+    ranked = best_of_each(begun)
     if not ranked:
         return []
     lead = cost - ranked[0].cost

@@ -20,6 +20,7 @@ from bondgraph.diagnosis.search.between_samples import (
     simulated_as,
 )
 from bondgraph.diagnosis.search.beyond_noise import left_beside, within
+from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.exchange import Exchanged, Reached, exchanged
 from bondgraph.diagnosis.search.one_round import (
     Round,
@@ -28,7 +29,7 @@ from bondgraph.diagnosis.search.one_round import (
     one_round,
 )
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.removal import fitted_with, pruned, swallowed
+from bondgraph.diagnosis.search.removal import Pruned, fitted_with, pruned, swallowed
 from bondgraph.diagnosis.search.together import two_rounds
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.estimate import FittedModel
@@ -121,15 +122,10 @@ def _made(
     """
     newcomers = found.judged
     if found.chosen is not None:
-        candidate = found.chosen.candidate
-        together = (*reached.added, candidate.hypothesis)
-        left = pruned(reached.first, reached.current, candidate.fitted, together, rule)
-        lost = None
-        if reached.added:
-            lost = swallowed(reached.current, left.fitted, left.kept[:-1], authored)
-        if lost is None:
+        left = _left_with([found.chosen.candidate], reached, authored, rule)
+        if isinstance(left, Pruned):
             return replace(found, removed=left.removed), left.fitted, left.kept
-        newcomers, found = (found.chosen,), _given_up(found, lost)
+        newcomers, found = (found.chosen,), _given_up(found, left)
     instead = None
     if not found.cut_short:
         instead = exchanged(reached, newcomers, found.tried, rule)
@@ -148,17 +144,33 @@ def _two_made(
     """Return the same where two laws are added at once; no rounds where none are."""
     two, rule = two_rounds(setting, found, shop), setting.options.rule
     if two:
-        candidates = chosen_in(two)
-        together = (*reached.added, *(one.hypothesis for one in candidates))
-        both = candidates[-1].fitted
-        left = pruned(reached.first, reached.current, both, together, rule)
-        lost = None
-        if reached.added:
-            lost = swallowed(reached.current, left.fitted, left.kept[:-1], authored)
-        if lost is None:
+        left = _left_with(chosen_in(two), reached, authored, rule)
+        if isinstance(left, Pruned):
             made = (*two[:-1], replace(two[-1], removed=left.removed))
             return made, left.fitted, left.kept
     return (), reached.current, reached.added
+
+
+def _left_with(
+    candidates: Sequence[Candidate],
+    reached: Reached,
+    authored: Mapping[str, Parameter],
+    rule: Rule,
+) -> Pruned | str:
+    """Return the model with additions, or what was there of which they leave nothing.
+
+    Parameters
+    ----------
+    candidates
+        What is added, one upon the other; the last one's model has them all.
+    """
+    together = (*reached.added, *(one.hypothesis for one in candidates))
+    fitted = candidates[-1].fitted
+    left = pruned(reached.first, reached.current, fitted, together, rule)
+    lost = None
+    if reached.added:
+        lost = swallowed(reached.current, left.fitted, left.kept[:-1], authored)
+    return left if lost is None else lost
 
 
 def _in_place(found: Round, instead: Exchanged) -> Round:
