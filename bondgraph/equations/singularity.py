@@ -6,9 +6,10 @@ that only a structural defect (a ring with unit gain, a constraint given twice) 
 """
 
 from dataclasses import dataclass
-from itertools import count
+from itertools import chain, count
 from typing import Any
 
+import numpy as np
 import sympy
 
 from bondgraph.equations.chain_rule import Row, propagate, row_of, seeded
@@ -93,22 +94,25 @@ class _Somewhere:
 
 
 def _undetermined(matrix: list[Row]) -> list[int]:
-    """Return the rows left without a pivot by sparse elimination."""
-    pivots: dict[sympy.Symbol, Row] = {}
+    """Return the rows that depend on those above them, by elimination."""
+    columns = {symbol: j for j, symbol in enumerate(dict.fromkeys(chain(*matrix)))}
+    values, sizes = np.zeros((2, len(matrix), len(columns)))
+    for i, row in enumerate(matrix):
+        for symbol, entry in row.items():
+            values[i, columns[symbol]] = entry.value
+            sizes[i, columns[symbol]] = entry.size
     defective = []
-    for i, full in enumerate(matrix):
-        row = dict(full)
-        for symbol, pivot in pivots.items():
-            factor = row.pop(symbol, None)
-            if factor is None or factor == 0:
-                continue
-            for other, value in pivot.items():
-                row[other] = row.get(other, _Sum(0.0, 0.0)) - factor * value
-        left = {s: x for s, x in row.items() if x != 0}
-        if not left:
+    for i in range(len(matrix)):
+        left = np.flatnonzero(np.abs(values[i]) > TINY * sizes[i])
+        if not left.size:
             defective.append(i)
             continue
-        best = max(left, key=lambda s: abs(left[s].value))
-        head = _Sum(1.0 / left[best].value, 0.0)
-        pivots[best] = {s: x * head for s, x in left.items() if s != best}
+        best = left[np.argmax(np.abs(values[i, left]))]
+        pivot = values[i, left] / values[i, best]
+        below = np.abs(values[:, best]) > TINY * sizes[:, best]
+        rows = np.flatnonzero(below[i + 1 :]) + i + 1
+        step = values[rows, best][:, None] * pivot
+        values[np.ix_(rows, left)] -= step
+        sizes[np.ix_(rows, left)] += np.abs(step)
+        values[:, best] = sizes[:, best] = 0.0
     return defective
