@@ -69,8 +69,8 @@ def test_the_candidate_that_was_found_is_marked_once():
 
 def test_the_points_of_a_curve_without_a_name_are_folded():
     html = report_html(without_a_name())
-    assert f"<summary>{POINTS} points of the curve</summary>" in html
-    opened, folded = html.split(f"<summary>{POINTS} more: the points of the curve")
+    assert f"<summary>{POINTS} numbers of the curve</summary>" in html
+    opened, folded = html.split(f"<summary>{POINTS} more: the numbers of the curve")
     parameters = opened[opened.rindex('id="parameters"') :]
     assert "viscous" in parameters
     assert "curve_0" not in parameters
@@ -80,7 +80,7 @@ def test_the_points_of_a_curve_without_a_name_are_folded():
 def test_a_law_with_a_name_shows_its_numbers_at_once():
     html = report_html(cart_diagnosis())
     assert "20.41 ± 0.12 N" in facts(html, "F_c")
-    assert "points of the curve" not in html
+    assert "numbers of the curve" not in html
 
 
 def test_the_picture_of_a_law_says_what_its_points_do_not_count_in():

@@ -130,7 +130,7 @@ def _verdict(session: Session, diagnosis: Diagnosis) -> str:
 
 
 def _how_sure(diagnosis: Diagnosis) -> Iterator[str]:
-    """Yield how often each finding predicts best, where that is known."""
+    """Yield how probable each finding is, where that is known."""
     told = ", ".join(
         f"{name_of(finding.physics)} at {finding.place} "
         f"{100 * finding.probability:.0f} of 100"
@@ -138,7 +138,7 @@ def _how_sure(diagnosis: Diagnosis) -> Iterator[str]:
         if finding.probability is not None
     )
     if told:
-        yield f"How sure, from resamples of the left-out data: {told}."
+        yield f"How sure: {told}."
 
 
 def _told(session: Session, diagnosis: Diagnosis) -> Iterator[str]:
