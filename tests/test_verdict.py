@@ -10,13 +10,16 @@ from handmade_diagnosis import cart_diagnosis
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
 from bondgraph.diagnosis.answer.found import doubted
 from bondgraph.diagnosis.answer.leftover import excusable
+from bondgraph.diagnosis.answer.notes import notes_on
 from bondgraph.diagnosis.answer.verdict import (
     verdict_of,
     without_size,
     worse_held_out,
 )
 from bondgraph.diagnosis.records import Verdict
+from bondgraph.diagnosis.search.candidates import Rejected
 from bondgraph.diagnosis.search.one_round import Round
+from bondgraph.diagnosis.search.options import Options
 from bondgraph.recordings.binding import bind
 from bondgraph.recordings.recording import Recording
 
@@ -137,3 +140,20 @@ def test_what_remains_beside_findings_counts_against_each(left, believed):
     known, silent = doubted(both, left)
     assert known.probability == pytest.approx(believed * 0.8)
     assert silent.probability is None
+
+
+def test_a_law_that_was_found_is_not_told_as_left_aside_in_another_form():
+    def law(place):
+        return SimpleNamespace(
+            physics="hardening_spring", place=place, contains=lambda other: False
+        )
+
+    chosen = SimpleNamespace(
+        physics="hardening_spring",
+        place="mass",
+        candidate=SimpleNamespace(hypothesis=law("mass")),
+    )
+    others = tuple(Rejected(law(place), "not determined") for place in ("mass", "arm"))
+    found = Round(SimpleNamespace(), judged=(chosen,), rejected=others, chosen=chosen)
+    notes = notes_on([found], SimpleNamespace(unidentifiable=()), Options())
+    assert notes == ("A hardening spring at arm was left aside: not determined",)

@@ -29,11 +29,15 @@ def notes_on(
             "limit says; laws that were not tried may explain more or better."
             + (kept if options.resume else "")
         )
+    chosen = [found.chosen for found in rounds if found.chosen is not None]
+    told = {(one.physics, one.place) for one in chosen}
     for found in rounds:
         for rejected in found.rejected:
+            hypothesis = rejected.hypothesis
             if rejected.reason == OUT_OF_TIME:
                 continue  # Told once, of all of them.
-            hypothesis = rejected.hypothesis
+            if (hypothesis.physics, hypothesis.place) in told:
+                continue  # It was found, in another form.
             notes.append(
                 f"{_sentence_start(hypothesis)} was left aside: {rejected.reason}"
             )
@@ -44,9 +48,13 @@ def notes_on(
         ]
         for judged in wider_than_chosen(found, options):
             assert found.chosen is not None
+            plain = found.chosen
+            same = (judged.physics, judged.place) == (plain.physics, plain.place)
             notes.append(
-                f"{_sentence_start(judged)} instead is hardly supported: it does not "
-                f"predict left-out data better than {name_of(found.chosen.physics)}."
+                f"{_sentence_start(judged)} "
+                f"{'with more numbers' if same else 'instead'} is hardly supported: "
+                "it does not predict left-out data better"
+                f"{'' if same else f' than {name_of(plain.physics)}'}."
             )
     return tuple(dict.fromkeys(notes))
 
