@@ -72,6 +72,9 @@ def test_a_law_of_the_model_itself_may_not_go_for_a_later_finding():
     assert gone_from(before, gone, stds, [], given) == "parameter friction"
     # What was hardly there before the addition has not gone by it.
     assert gone_from({"friction": 0.3}, gone, stds, [], given) is None
+    # What had come down already and is a third of that is still there.
+    little = {"friction": 0.4, "offset": 0.9}
+    assert gone_from({"friction": 1.2}, little, stds, [], given) is None
     # An offset may be zero, and a friction that was swollen may shrink.
     assert gone_from(before, {"friction": 0.9, "offset": 0.0}, stds, [], given) is None
 

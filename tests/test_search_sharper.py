@@ -13,6 +13,7 @@ from bondgraph.diagnosis.search.fits import (
     ShortFit,
     _from_relative,
     _from_what_they_contain,
+    _kept,
     fit_best,
 )
 from bondgraph.diagnosis.search.sharper import sharpened
@@ -105,6 +106,18 @@ def test_the_narrower_law_is_judged_beside_a_wider_one_that_is_kept(bench):
         "coulomb_friction",
         "stribeck_friction",
     }
+
+
+def test_the_narrower_law_is_kept_however_far_behind_its_short_fit_is(bench):
+    (dry,), (wide,), (drag,) = (
+        proposed(bench, physics)
+        for physics in (CoulombFriction(), StribeckFriction(), QuadraticDrag())
+    )
+    ahead, behind, other = (
+        ShortFit(share, law, {})
+        for share, law in ((0.8, wide), (0.1, dry), (0.1, drag))
+    )
+    assert _kept([ahead, behind, other], 0.75, 5) == [ahead, behind]
 
 
 def test_a_wider_law_is_tried_from_the_one_it_contains_without_its_additions(bench):

@@ -82,7 +82,7 @@ def delaying(
 def _times(place: ChannelPlace) -> tuple[float, ...]:
     """Return times from a fraction of a sample to a fraction of the recording."""
     step, stretch = place.scales.step, place.scales.stretch
-    longer = (1.5, 5.0, 20.0)
+    longer = (1.5, 5.0, 20.0, 80.0)
     return (0.1 * step, *(n * step for n in longer if n * step < 0.1 * stretch))
 
 

@@ -1,7 +1,7 @@
 """Two laws at once, judged as one candidate.
 
-A pair is one among as many as there are pairs of what was tried, has to take away half
-of what is left, and each of the two must be needed beside the other.
+A pair is one among as many as there are of its class, has to take away half of what is
+left, and each of the two must be needed beside the other.
 """
 
 from collections.abc import Mapping, Sequence
@@ -89,10 +89,9 @@ class PairErrors:
         return cls(before, dict(zip(singles, alone, strict=True)), both)
 
 
-def judge_pair(pair: Pair, seen: PairErrors, tried: float, rule: Rule) -> JudgedPair:
-    """Return what left-out data say of a pair of laws, of `tried` independent ones."""
+def judge_pair(pair: Pair, seen: PairErrors, pairs: float, rule: Rule) -> JudgedPair:
+    """Return what left-out data say of two laws, one of so many independent pairs."""
     errors = seen.both[id(pair)]
-    pairs = tried * (tried - 1.0) / 2.0
     whole = replace(pair.both, complexity=pair.complexity)
     judged = judge(whole, seen.before, errors, pairs, rule)
     alone = [seen.alone[id(one)] for one in (pair.first, pair.second)]

@@ -75,13 +75,7 @@ def fit_best(
     if not reached:
         return []
     reached = _gone_on(bench, reached, most)
-    best, lead = reached[0].reduction, _lead(reached)
-    worth = [
-        one
-        for one in reached
-        if one.reduction >= keep * (best if one.hypothesis.physics == CURVE else lead)
-    ]
-    kept = _with_narrower(worth[:most], worth[most:])
+    kept = _kept(reached, keep, most)
     same = bench.few.problem.shots is bench.base.problem.shots
     finer = bench.base.problem.solver.substeps // bench.few.problem.solver.substeps
     starts = [one.as_start(with_states=same, finer=finer) for one in kept]
@@ -119,19 +113,24 @@ def _reached(
     return sorted(found, key=lambda one: -one.reduction)
 
 
-def _with_narrower(
-    kept: Sequence[ShortFit], others: Sequence[ShortFit]
-) -> list[ShortFit]:
-    """Return those kept, and of the others what a kept law contains.
+def _kept(reached: Sequence[ShortFit], keep: float, most: int) -> list[ShortFit]:
+    """Return those that lead, and what they contain, however far that has come.
 
     Whether the additions of a wider law are needed is seen beside the narrower one.
     """
+    best, lead = reached[0].reduction, _lead(reached)
+    leading = [
+        one
+        for one in reached
+        if one.reduction >= keep * (best if one.hypothesis.physics == CURVE else lead)
+    ][:most]
     narrower = [
         one
-        for one in others
-        if any(wide.hypothesis.contains(one.hypothesis) for wide in kept)
+        for one in reached
+        if one not in leading
+        and any(wide.hypothesis.contains(one.hypothesis) for wide in leading)
     ]
-    return [*kept, *narrower]
+    return [*leading, *narrower]
 
 
 def _lead(reached: Sequence[ShortFit]) -> float:

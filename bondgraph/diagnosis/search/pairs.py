@@ -16,6 +16,7 @@ from bondgraph.diagnosis.evidence.judging import first_twin
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import CURVE, Candidate, Promised
 from bondgraph.diagnosis.search.fits import ShortFit, fit_best
+from bondgraph.diagnosis.search.kindred import Kindreds
 from bondgraph.diagnosis.search.trying import (
     Start,
     Trial,
@@ -25,6 +26,7 @@ from bondgraph.diagnosis.search.trying import (
 )
 from bondgraph.diagnosis.work.journal import Plain
 from bondgraph.diagnosis.work.workers import Work
+from bondgraph.physics.hypothesis import Hypothesis
 
 SINGLES = 6
 """So many laws are paired: those that help most alone."""
@@ -99,15 +101,26 @@ class Pairing:
 
     bench: Bench
     singles: tuple[Candidate, ...]
+    kin: Kindreds
     beside: Mapping[int, Bench]
 
     @classmethod
-    def of(cls, bench: Bench, promising: Sequence[Promised]) -> "Pairing":
-        """Return the pairing of the laws that promise most."""
+    def of(
+        cls,
+        bench: Bench,
+        promising: Sequence[Promised],
+        everything: Sequence[Hypothesis],
+    ) -> "Pairing":
+        """Return the pairing of the laws that promise most, and of kindred ones."""
         singles = singles_of(bench, promising)
+        kin = Kindreds.of(bench, everything)
         name = f"{bench.name}, two at once"
-        beside = {id(one): Bench.of(one.fitted, bench.shop, name) for one in singles}
-        return cls(bench, tuple(singles), beside)
+        laws = (
+            *singles,
+            *(law for one in kin.leading for law in (one.first, one.second)),
+        )
+        beside = {id(one): Bench.of(one.fitted, bench.shop, name) for one in laws}
+        return cls(bench, tuple(singles), kin, beside)
 
     def best(self, most: int) -> list[Pair]:
         """Return the pairs that leave least, `most` at most, fitted to the end."""
@@ -116,6 +129,8 @@ class Pairing:
             for one, other in combinations(self.singles, 2)
             for start in self._begun(one, other, _from_either(one, other))
         ]
+        for kin in self.kin.leading:
+            begun += self._begun(kin.first, kin.second, [(kin.start,)])
         cost = self.bench.few.optimum.cost
         longer = [
             better
@@ -123,6 +138,15 @@ class Pairing:
             for better in self._gone_on(start, fit_on, few=True)
         ]
         return self._ended(_leading(longer, cost, HOPELESS)[:most])
+
+    def rivals(self, pair: Pair, independent: float) -> float:
+        """Return of how many pairs one is the best: of its class, and that twice.
+
+        Half of what may go wrong is for kindred laws, which are few, half for all.
+        """
+        if self.kin.have(pair.first, pair.second):
+            return 2.0 * self.kin.tried
+        return independent * (independent - 1.0)
 
     def exchanged(self, pair: Pair) -> list[Pair]:
         """Return pairs with another law in place of either, from where it ended."""

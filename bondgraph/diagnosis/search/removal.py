@@ -128,7 +128,9 @@ def gone_from(
         given = nominal.get(name)
         if given is None or not given.value or given.bounds[0] < 0.0:
             continue
-        if after[name] < SWALLOWED * given.value <= before.get(name, 0.0):
+        was, least = before.get(name, 0.0), SWALLOWED * given.value
+        # A value that a lack had made too large, and that falls, is not gone.
+        if was >= least and after[name] < SWALLOWED * min(was, given.value):
             return f"parameter {name}"
     return None
 

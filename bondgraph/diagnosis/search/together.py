@@ -42,12 +42,16 @@ def two_rounds(setting: Setting, found: Round, shop: Workshop) -> tuple[Round, .
     if explainable(base, setting.noise) <= MUCH:
         return ()
     bench = Bench.of(base, shop, f"round {setting.number}")
-    pairing = Pairing.of(bench, promising(found.promised, setting.options))
+    everything = [one.hypothesis for one in found.promised]
+    pairing = Pairing.of(bench, promising(found.promised, setting.options), everything)
     pairs = _worth(setting, pairing)
     if not pairs:
         return ()
     seen = PairErrors.of(bench, pairing.beside, pairs, setting.noise)
-    judged = [judge_pair(pair, seen, found.independent, rule) for pair in pairs]
+    judged = [
+        judge_pair(pair, seen, pairing.rivals(pair, found.independent), rule)
+        for pair in pairs
+    ]
     supported = [one for one in judged if one.supported]
     chosen = plainest(supported, rule)
     if chosen is None:

@@ -17,6 +17,7 @@ from bondgraph.structure.edits.elements import InsertElement as InsertElement
 from bondgraph.structure.edits.elements import ReplaceRelation as ReplaceRelation
 from bondgraph.structure.edits.several import GraphEdit as GraphEdit
 from bondgraph.structure.edits.several import SeveralEdits as SeveralEdits
+from bondgraph.structure.edits.several import SingleEdit as SingleEdit
 from bondgraph.structure.edits.signal_states import SignalState as SignalState
 from bondgraph.structure.edits.signal_states import (
     carries_signals_only as carries_signals_only,

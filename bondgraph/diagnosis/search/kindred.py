@@ -1,0 +1,134 @@
+"""Kindred laws: the same law left out at two places that are built alike.
+
+Machines repeat their parts: two drives, two gauges, two outlets. What is left out at
+one is often left out at the other, and alone neither may help, for the other's lack
+bends all numbers. So the same law at two like places is also tried as one.
+"""
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import sympy
+
+from bondgraph.diagnosis.search.bench import Bench
+from bondgraph.diagnosis.search.candidates import CURVE, Candidate, Promised
+from bondgraph.diagnosis.search.fits import fit_best
+from bondgraph.diagnosis.search.trying import Start, Trial, fit_briefly
+from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.structure.edits import SeveralEdits, SingleEdit
+from bondgraph.structure.graph import FinishedGraph
+from bondgraph.structure.signals import signals_in
+
+Kin = tuple[Hypothesis, Hypothesis]
+MOST = 64
+"""So many are tried at most, evenly spread over the laws."""
+
+LEADING = 3
+"""So many go on: those that help most as one."""
+
+HELPS = 0.25
+"""What takes away less of the cost does not go on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kindred:
+    """One law at two like places: each as fitted alone, and where both have ended."""
+
+    first: Candidate
+    second: Candidate
+    start: Start
+
+
+@dataclass(frozen=True, slots=True)
+class Kindreds:
+    """The kindred laws that help most as one, of how many were tried."""
+
+    leading: tuple[Kindred, ...]
+    tried: int
+
+    @classmethod
+    def of(cls, bench: Bench, hypotheses: Sequence[Hypothesis]) -> "Kindreds":
+        """Return them, of `hypotheses`, each with its two laws fitted alone as well."""
+        pairs = kindred(bench.base.graph, hypotheses)
+        trials = [Trial(as_one(kin)) for kin in pairs]
+        results = bench.run(fit_briefly, trials, "kindred laws", few=True)
+        most = (1.0 - HELPS) * bench.few.optimum.cost
+        ended = (
+            (kin, result)
+            for kin, result in zip(pairs, results, strict=True)
+            if "refused" not in result and result["cost"] <= most
+        )
+        best = sorted(ended, key=lambda one: float(one[1]["cost"]))[:LEADING]
+        alone = _alone(bench, [law for kin, _ in best for law in kin])
+        leading = (
+            Kindred(alone[id(one)], alone[id(other)], Start(result["values"]))
+            for (one, other), result in best
+            if {id(one), id(other)} <= alone.keys()
+        )
+        return cls(tuple(leading), len(pairs))
+
+    def have(self, first: Candidate, second: Candidate) -> bool:
+        """Return whether these very two are one of the pairs."""
+        return any(one.first is first and one.second is second for one in self.leading)
+
+
+def _alone(bench: Bench, laws: Sequence[Hypothesis]) -> dict[int, Candidate]:
+    """Return each law as fitted alone, by the id of its hypothesis."""
+    once = {id(law): Promised(law, 1.0) for law in laws}
+    fitted = fit_best(bench, list(once.values()), 0.0, len(once))
+    return {id(one.hypothesis): one for one in fitted}
+
+
+def kindred(graph: FinishedGraph, hypotheses: Sequence[Hypothesis]) -> list[Kin]:
+    """Return the pairs of one law at two places of `graph` that are built alike."""
+    like: dict[object, list[Hypothesis]] = {}
+    for one in hypotheses:
+        if one.physics != CURVE and not one.is_slip:
+            like.setdefault(_kind(graph, one), []).append(one)
+    found = [
+        (one, other)
+        for family in like.values()
+        for one, other in combinations(family, 2)
+        if one.place != other.place
+    ]
+    return found[:: -(-len(found) // MOST)] if len(found) > MOST else found
+
+
+def as_one(kin: Kin) -> Hypothesis:
+    """Return both laws as one hypothesis, which begins where both begin."""
+    one, other = kin
+    starts = zip(one.starts, other.starts, strict=True)
+    return replace(
+        one,
+        edit=SeveralEdits((*_edits(one), *_edits(other))),
+        law=sympy.Add(one.law, other.law, evaluate=False),
+        words=f"{one.words}; {other.words}",
+        starts=tuple({**mine, **its} for mine, its in starts),
+        strengths=(*one.strengths, *other.strengths),
+    )
+
+
+def _edits(one: Hypothesis) -> tuple[SingleEdit, ...]:
+    return one.edit.edits if isinstance(one.edit, SeveralEdits) else (one.edit,)
+
+
+def _kind(graph: FinishedGraph, one: Hypothesis) -> Hashable:
+    """Return what two hypotheses have in common whose laws and places are alike."""
+    units = tuple(p.unit for p in one.edit.parameters)
+    return one.physics, units, len(one.starts), _built(graph, one.place)
+
+
+def _built(graph: FinishedGraph, place: str) -> Hashable:
+    """Return how a place is built: its kind, and what is around or read there."""
+    for reading in graph.measurements:
+        if reading.name == place:
+            signals = signals_in(reading.expression)
+            kinds = sorted((s.quantity, _type(graph, s.place)) for s in signals)
+            return reading.unit, *kinds
+    around = sorted(_type(graph, bond.other(place)) for bond in graph.bonds_at(place))
+    return _type(graph, place), *around
+
+
+def _type(graph: FinishedGraph, name: str) -> str:
+    return type(graph.node(name)).__name__

@@ -1,0 +1,102 @@
+"""The same law at two places that are built alike is tried as one.
+
+Two drives push one carriage; both have dry friction. What is left out at one is left
+out at the other: that is one supposition among few, not one among all pairs of laws.
+"""
+
+import sys
+
+import numpy as np
+import pytest
+
+from bondgraph import BondGraph, C, I, R, Recording, Se, Sf, bind_to
+from bondgraph.diagnosis.search.bench import Bench
+from bondgraph.diagnosis.search.candidates import propose_all
+from bondgraph.diagnosis.search.kindred import Kindreds, as_one, kindred
+from bondgraph.diagnosis.search.pairs import Pairing
+from bondgraph.diagnosis.work.journal import Journal
+from bondgraph.diagnosis.work.workers import Here, workshop
+from bondgraph.fitting.estimate import FitSettings, fit_model
+from bondgraph.physics.dynamics import Lag
+from bondgraph.physics.friction import CoulombFriction
+
+FRICTION = {"left": 0.8, "right": 1.3}
+
+
+def gantry():
+    """Return two driven carts; the frame between them is built otherwise."""
+    g = BondGraph("gantry", domain="translation")
+    for side in FRICTION:
+        g.one(side, Sf(f"speed_{side}"), R(f"damper_{side}"))
+        g.measure(f"force_{side}", effort=f"speed_{side}")
+        g.parameter(f"damper_{side}", 1.0, "N*s/m", bounds=(0, 100))
+    g.one("frame", Se("wind"), I("mass"), C("anchor"))
+    g.measure("sway", displacement="anchor")
+    g.parameter("mass", 2.0, "kg", std=0.0)
+    g.parameter("anchor", 0.1, "m/N", std=0.0)
+    return g.finish()
+
+
+def recorded(graph, samples=800):
+    rng = np.random.default_rng(3)
+    time = np.arange(samples) * 0.01
+    channels = {"wind": (np.zeros(samples), "N")}
+    sway = 0.05 * np.cos(time / np.sqrt(0.2)) + 1e-4 * rng.normal(size=samples)
+    channels["sway"] = (sway, "m")
+    for side, friction in FRICTION.items():
+        speed = 0.5 * np.sin(2.1 * time + friction)
+        force = 1.5 * speed + friction * np.sign(speed)
+        channels[f"speed_{side}"] = speed, "m/s"
+        channels[f"force_{side}"] = force + 0.02 * rng.normal(size=samples), "N"
+    return bind_to(graph, Recording.from_arrays("run", time, channels))
+
+
+@pytest.fixture(scope="module")
+def base():
+    graph = gantry()
+    return fit_model(graph, [recorded(graph)], FitSettings())
+
+
+def hypotheses(base):
+    return propose_all(base, (CoulombFriction(), Lag()))
+
+
+def test_kindred_laws_sit_at_places_that_are_built_alike(base):
+    pairs = kindred(base.graph, hypotheses(base))
+    told = {(one.physics, one.place, other.place) for one, other in pairs}
+    assert told == {
+        ("coulomb_friction", "left", "right"),
+        ("lag", "speed_left", "speed_right"),
+        ("lag", "force_left", "force_right"),
+    }
+
+
+def test_two_laws_as_one_begin_where_both_begin(base):
+    one, other = kindred(base.graph, hypotheses(base))[0]
+    both = as_one((one, other))
+    assert both.parameters == (*one.parameters, *other.parameters)
+    assert both.starts[0] == {**one.starts[0], **other.starts[0]}
+    assert len(both.starts) == len(one.starts)
+    assert both.apply(base.graph) == other.apply(one.apply(base.graph))
+
+
+def test_those_that_help_most_as_one_go_on_and_have_few_rivals(base):
+    with workshop(Here(), Journal(), lambda _: None) as shop:
+        bench = Bench.of(base, shop, "round 1")
+        pairing = Pairing.of(bench, [], hypotheses(base))
+        (pair,) = pairing.best(10)
+    assert pairing.kin.tried == 3
+    values = pair.both.fitted.values
+    found = {side: values[f"coulomb_{side}"] for side in FRICTION}
+    assert found == pytest.approx(FRICTION, rel=0.02)
+    assert pairing.rivals(pair, 100.0) == 6.0
+    assert (
+        pairing.rivals(pair.__class__(pair.second, pair.first, pair.both), 100.0) > 9e3
+    )
+
+
+def test_of_many_kindred_laws_every_law_keeps_its_share(base, monkeypatch):
+    module = sys.modules[Kindreds.__module__]
+    monkeypatch.setattr(module, "MOST", 2)
+    physics = [one.physics for one, _ in kindred(base.graph, hypotheses(base))]
+    assert physics == ["coulomb_friction", "lag"]
