@@ -1,9 +1,9 @@
 """The plainer law, where what a wider one adds turns out to be nothing.
 
 The search compares laws over short windows; the final fit, over the horizon that suits
-it, knows the parameters better. Where all that a law has beyond a supported narrower
-one is there zero within its error, or not determined, the narrower one is told, and the
-wider one refuted.
+it, knows the parameters better. Where all that a law has beyond a narrower one is there
+zero within its error, or not determined, the narrower one is told, and the wider one
+refuted. A narrower one that short windows did not decide has to fit as well in the end.
 """
 
 from collections.abc import Sequence
@@ -54,10 +54,22 @@ def without_needless_parts(
             for wide in wider
             if _adds_nothing(wide, narrower, finals[id(wide)], recordings)
         ]
-        plain[i] = _refuted(found, narrower, needless)
-        if plain[i].chosen is not found.chosen:
-            final = _sharpened_with(plain, final, recordings, options)
+        without = _refuted(found, narrower, needless)
+        if without.chosen is found.chosen:
+            plain[i] = without
+            continue
+        told = [*plain[:i], without, *plain[i + 1 :]]
+        fitted = _sharpened_with(told, final, recordings, options)
+        if narrower.support is Support.SUPPORTED or _as_good(fitted, final, options):
+            plain, final = told, fitted
     return plain, final
+
+
+def _as_good(plain: FittedModel, wide: FittedModel, options: Options) -> bool:
+    """Return whether the final fit is as good without what the wider law adds."""
+    same = plain.problem.shots.edges == wide.problem.shots.edges
+    most = (1.0 + options.rule.materiality) * wide.optimum.cost
+    return same and plain.optimum.cost <= most
 
 
 def _parameters(rounds: Sequence[Round]) -> set[str]:
@@ -66,18 +78,23 @@ def _parameters(rounds: Sequence[Round]) -> set[str]:
 
 
 def _narrower(found: Round) -> Judged | None:
-    """Return the narrowest supported law that the chosen one is or contains."""
+    """Return the narrowest law, not refuted, that the chosen one is or contains."""
     chosen = found.chosen
     if chosen is None:
         return None
     contained = [
         j
         for j in found.judged
-        if j.support is Support.SUPPORTED
+        if j.support is not Support.REFUTED
+        and j.gain.value > 0.0
         and chosen.candidate.hypothesis.contains(j.candidate.hypothesis)
         and _added(chosen, j)
     ]
-    return max(contained, key=lambda j: j.gain.value, default=chosen)
+    return max(
+        contained,
+        key=lambda j: (j.support is Support.SUPPORTED, j.gain.value),
+        default=chosen,
+    )
 
 
 def _wider(found: Round, narrower: Judged) -> list[Judged]:
@@ -120,7 +137,16 @@ def _refuted(found: Round, narrower: Judged, needless: Sequence[Judged]) -> Roun
     )
     if id(found.chosen) not in gone:
         return replace(found, judged=judged)
-    # The resamples had asked for the wider law.
+    # The wider law is there the narrower one: what it takes away this one does. The
+    # resamples had asked for the wider law.
+    if narrower.support is not Support.SUPPORTED and found.chosen is not None:
+        told = replace(
+            found.chosen,
+            candidate=narrower.candidate,
+            reason=f"{found.chosen.reason}, in a wider form that adds nothing",
+        )
+        judged = tuple(told if j is narrower else j for j in judged)
+        narrower = told
     return replace(found, judged=judged, chosen=narrower, probability=None)
 
 
