@@ -9,7 +9,9 @@ refuted. A narrower one that short windows did not decide has to fit as well in 
 from collections.abc import Sequence
 from dataclasses import replace
 
-from bondgraph.diagnosis.evidence.decision import Judged
+import numpy as np
+
+from bondgraph.diagnosis.evidence.decision import Judged, Rule
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.horizons import sharpened
 from bondgraph.diagnosis.search.one_round import Round, accepted, chosen_in
@@ -60,16 +62,23 @@ def without_needless_parts(
             continue
         told = [*plain[:i], without, *plain[i + 1 :]]
         fitted = _sharpened_with(told, final, recordings, options)
-        if narrower.support is Support.SUPPORTED or _as_good(fitted, final, options):
+        if narrower.support is Support.SUPPORTED or _as_good(
+            fitted, final, options.rule
+        ):
             plain, final = told, fitted
     return plain, final
 
 
-def _as_good(plain: FittedModel, wide: FittedModel, options: Options) -> bool:
-    """Return whether the final fit is as good without what the wider law adds."""
-    same = plain.problem.shots.edges == wide.problem.shots.edges
-    most = (1.0 + options.rule.materiality) * wide.optimum.cost
-    return same and plain.optimum.cost <= most
+def _as_good(plain: FittedModel, wide: FittedModel, rule: Rule) -> bool:
+    """Return whether the final fit is as good without what the wider law adds.
+
+    Each fit has scaled its errors by its own, so they are compared in one scale.
+    """
+    left, left_by_wide = (
+        float(np.sum((one.residuals() / wide.problem.sigma) ** 2))
+        for one in (plain, wide)
+    )
+    return left <= (1.0 + rule.materiality) * left_by_wide
 
 
 def _parameters(rounds: Sequence[Round]) -> set[str]:
