@@ -1,20 +1,24 @@
 """The plainer law is told where the final fit finds a wider one to add nothing."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from bondgraph import BondGraph, R, Recording, Sf, bind_to
+from bondgraph.diagnosis.answer.found import is_untold
+from bondgraph.diagnosis.answer.notes import notes_on
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.evidence.gain import Gain
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search import plainer
 from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.one_round import Round
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.plainer import REASON, without_needless_parts
+from bondgraph.diagnosis.search.plainer import REASON, UNTOLD, without_needless_parts
 from bondgraph.diagnosis.search.removal import fitted_with
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.friction import CoulombFriction, StribeckFriction
@@ -89,3 +93,46 @@ def test_what_adds_something_stays(support):
 def test_a_refuted_narrower_law_takes_no_place():
     wide, _, (rounds, _) = search_that_chose_the_wider(0.0, Support.REFUTED)
     assert rounds[0].chosen is wide
+
+
+def estimated(**numbers):
+    """Return what reports numbers, each with its standard error."""
+    estimates = [
+        SimpleNamespace(name=n, value=v, std=e) for n, (v, e) in numbers.items()
+    ]
+    return lambda *_: SimpleNamespace(estimates=estimates)
+
+
+@pytest.mark.parametrize(
+    ("rise", "coulomb", "said"),
+    [
+        ((0.30, 0.1), (0.8, 0.01), ""),
+        ((0.02, 0.02), (0.8, 0.01), REASON),
+        ((0.00, None), (0.8, 0.01), REASON),
+        ((0.20, 0.21), (0.6, 0.2), f"{UNTOLD}: rise 0.2 ± 0.21"),
+    ],
+)
+def test_nothing_is_told_from_what_recordings_do_not_tell(
+    monkeypatch, rise, coulomb, said
+):
+    def law(**strengths):
+        hypothesis = SimpleNamespace(
+            strengths=tuple(strengths), parameters=tuple(strengths)
+        )
+        return SimpleNamespace(candidate=SimpleNamespace(hypothesis=hypothesis))
+
+    monkeypatch.setattr(plainer, "report", estimated(rise=rise, coulomb=coulomb))
+    final = SimpleNamespace(graph=None)
+    wide, narrow = law(coulomb=1, rise=1), law(coulomb=1)
+    assert plainer._needless(wide, narrow, final, []) == said
+
+
+def test_what_is_not_told_stays_undecided_beside_the_plainer_law():
+    wide, narrow, _ = search_that_chose_the_wider(0.0, Support.SUPPORTED)
+    found = Round(wide.candidate.fitted, judged=(wide, narrow), chosen=wide)
+    without = plainer._refuted(found, narrow, {id(wide): f"{UNTOLD}: rise 0.2 ± 0.21"})
+    assert without.chosen is narrow
+    assert is_untold(without.judged[0])
+    assert not is_untold(replace(wide, support=Support.REFUTED, reason=REASON))
+    (note,) = notes_on([without], SimpleNamespace(unidentifiable=()), Options())
+    assert note == f"Stribeck friction at cart: {UNTOLD}: rise 0.2 ± 0.21."

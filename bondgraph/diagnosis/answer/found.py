@@ -19,6 +19,7 @@ from bondgraph.diagnosis.records import Evidence, Finding, Support
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.diagnosis.search.one_round import Round
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.plainer import UNTOLD
 from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.spread import changes, spread
@@ -119,9 +120,16 @@ def wider_than_chosen(found: Round, options: Options) -> list[Judged]:
         if chosen is not None
         and j.candidate.hypothesis.contains(chosen.candidate.hypothesis)
         and (
-            j.support is Support.REFUTED or not clearly_better(j, chosen, options.rule)
+            j.support is Support.REFUTED
+            or is_untold(j)
+            or not clearly_better(j, chosen, options.rule)
         )
     ]
+
+
+def is_untold(wide: Judged) -> bool:
+    """Return whether recordings do not tell what a wider law adds, if anything."""
+    return wide.support is Support.UNDECIDED and wide.reason.startswith(UNTOLD)
 
 
 def _hardly_supported(
@@ -133,7 +141,9 @@ def _hardly_supported(
         f"{name_of(found.chosen.physics)}, which it contains"
     )
     return [
-        replace(_shown(j, held_out), support=Support.REFUTED, reason=reason)
+        _shown(j, held_out)
+        if is_untold(j)
+        else replace(_shown(j, held_out), support=Support.REFUTED, reason=reason)
         for j in wider_than_chosen(found, options)
     ]
 

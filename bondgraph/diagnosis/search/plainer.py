@@ -6,7 +6,7 @@ zero within its error, or not determined, the narrower one is told, and the wide
 refuted. A narrower one that short windows did not decide has to fit as well in the end.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,6 +26,12 @@ goes beyond.
 """
 
 REASON = "the final fit finds what it adds to the plainer law to be nothing"
+UNTOLD = "these recordings do not tell what it adds to the plainer law"
+
+LOOSE = 0.1
+"""Share of a number that both laws have: where it is not known to that beside an
+addition, the addition may stand for a part of it.
+"""
 
 
 def without_needless_parts(
@@ -51,11 +57,11 @@ def without_needless_parts(
             if id(wide) not in finals:
                 chosen = [*plain[:i], replace(found, chosen=wide), *plain[i + 1 :]]
                 finals[id(wide)] = _sharpened_with(chosen, final, recordings, options)
-        needless = [
-            wide
+        reasons = {
+            id(wide): _needless(wide, narrower, finals[id(wide)], recordings)
             for wide in wider
-            if _adds_nothing(wide, narrower, finals[id(wide)], recordings)
-        ]
+        }
+        needless = {wide: reason for wide, reason in reasons.items() if reason}
         without = _refuted(found, narrower, needless)
         if without.chosen is found.chosen:
             plain[i] = without
@@ -123,28 +129,46 @@ def _added(wide: Judged, narrower: Judged) -> set[str]:
     return own - set(narrower.candidate.hypothesis.parameters)
 
 
-def _adds_nothing(
+def _needless(
     wide: Judged,
     narrower: Judged,
     final: FittedModel,
     recordings: Sequence[BoundRecording],
-) -> bool:
-    added = _added(wide, narrower)
-    return all(
-        e.std is None or abs(e.value) <= ERRORS * e.std
-        for e in report(final, final.graph, recordings).estimates
-        if e.name in added
-    )
+) -> str:
+    """Return why what the wider law adds is not told; nothing where it is there."""
+    estimates = {e.name: e for e in report(final, final.graph, recordings).estimates}
+    added = [estimates[n] for n in sorted(_added(wide, narrower)) if n in estimates]
+    if any(e.std is not None and abs(e.value) > ERRORS * e.std for e in added):
+        return ""
+    known = [e for e in added if e.std is not None]
+    common = set(wide.candidate.hypothesis.strengths) - {e.name for e in added}
+    shared = [estimates[name] for name in common if name in estimates]
+    loose = [e for e in shared if e.std is None or e.std > LOOSE * abs(e.value)]
+    if not known or not loose:
+        return REASON
+    numbers = ", ".join(f"{e.name} {e.value:.2g} ± {e.std:.2g}" for e in known)
+    return f"{UNTOLD}: {numbers}"
 
 
-def _refuted(found: Round, narrower: Judged, needless: Sequence[Judged]) -> Round:
-    """Return the round with needless laws refuted, and the narrower one chosen."""
-    gone = {id(wide) for wide in needless}
+def _refuted(found: Round, narrower: Judged, needless: Mapping[int, str]) -> Round:
+    """Return the round without needless laws, and the narrower one chosen.
+
+    Parameters
+    ----------
+    needless
+        Why, by the id of the law as judged.
+    """
     judged = tuple(
-        replace(j, support=Support.REFUTED, reason=REASON) if id(j) in gone else j
+        replace(
+            j,
+            support=Support.REFUTED if needless[id(j)] == REASON else Support.UNDECIDED,
+            reason=needless[id(j)],
+        )
+        if id(j) in needless
+        else j
         for j in found.judged
     )
-    if id(found.chosen) not in gone:
+    if id(found.chosen) not in needless:
         return replace(found, judged=judged)
     # The wider law is there the narrower one: what it takes away this one does. The
     # resamples had asked for the wider law.
