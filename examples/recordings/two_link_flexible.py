@@ -6,9 +6,9 @@
 
 The values are the maker's (Quanser, config_2dslf), at the joints. The second stage
 rides on the tip of the first: the torque of its drive turns the first load back, and
-since its centre of mass lies beside the joint, the two loads share an inertia. What the
-linear model leaves out: the dry friction of both drives, and that both gauges read late.
-The four hide each other, and the search takes a third of an hour on two cores.
+since its centre of mass lies beside the joint, the two loads share an inertia. What
+the linear model leaves out: the dry friction of both drives, and that both gauges read
+late. The four hide each other: the search takes a third of an hour on two cores.
 """
 
 import sympy
