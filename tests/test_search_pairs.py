@@ -6,8 +6,9 @@ both at once a free viscous damper leaves little, and either alone hardly less.
 
 import numpy as np
 import pytest
+from rubbing_slider import slider
 
-from bondgraph import BondGraph, R, Recording, Sf, bind_to, diagnose
+from bondgraph import Recording, bind_to, diagnose
 from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.evidence.gain import Gain
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
@@ -19,14 +20,6 @@ from bondgraph.physics.friction import CoulombFriction
 
 FRICTION, DRAG = 1.0, 14.2
 """In N, and in N s2/m2: so that they bend alike and against each other."""
-
-
-def slider():
-    g = BondGraph("slider", domain="translation")
-    g.one("cart", Sf("speed"), R("damper"))
-    g.measure("force", effort="speed")
-    g.parameter("damper", 1.0, "N*s/m", bounds=(0, 100))
-    return g.finish()
 
 
 def recorded(graph, friction, drag, seed, samples=1500):

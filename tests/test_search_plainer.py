@@ -5,34 +5,26 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from rubbing_slider import proposed, slider
 
-from bondgraph import BondGraph, R, Recording, Sf, bind_to
-from bondgraph.diagnosis.answer.found import is_untold
+from bondgraph import Recording, bind_to
 from bondgraph.diagnosis.answer.notes import notes_on
+from bondgraph.diagnosis.evidence import addition
+from bondgraph.diagnosis.evidence.addition import LEFT_OPEN, NOTHING, seen_again
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.evidence.gain import Gain
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
-from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.records import Support
-from bondgraph.diagnosis.search import plainer
 from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.one_round import Round
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.plainer import REASON, UNTOLD, without_needless_parts
+from bondgraph.diagnosis.search.plainer import without_needless_parts
 from bondgraph.diagnosis.search.removal import fitted_with
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.friction import CoulombFriction, StribeckFriction
-from bondgraph.physics.places.everywhere import all_places
 
 DRY = 0.8
-
-
-def slider():
-    g = BondGraph("slider", domain="translation")
-    g.one("cart", Sf("speed"), R("damper"))
-    g.measure("force", effort="speed")
-    g.parameter("damper", 1.0, "N*s/m", bounds=(0, 100))
-    return g.finish()
+OPEN = Support.UNDECIDED
 
 
 def recorded(rise):
@@ -46,9 +38,7 @@ def recorded(rise):
 
 def added_to(base, physics, support, gain):
     """Return the physics fitted at the cart, as judged with this support and gain."""
-    places = all_places(base.graph, measure_scales(base))
-    (place,) = (place for place in places if place.name == "cart")
-    (law,) = physics.propose(place)
+    law = proposed(base, physics)
     fitted = fitted_with(base, base, [law], law.starts[-1])
     candidate = Candidate(law, fitted, len(law.parameters))
     errors = LeftOutErrors(np.full(12, 1.0 - gain))
@@ -75,7 +65,7 @@ def test_what_adds_nothing_is_left_out_of_the_law(support):
     assert chosen in rounds[0].judged
     assert final.values["coulomb_cart"] == pytest.approx(DRY, rel=0.02)
     assert "stribeck_rise_cart" not in final.values
-    refuted = replace(wide, support=Support.REFUTED, reason=REASON)
+    refuted = replace(wide, support=Support.REFUTED, reason=NOTHING)
     assert refuted in rounds[0].judged
     # What windows had not decided is told with what the wider law took away there.
     undecided = support is Support.UNDECIDED
@@ -98,41 +88,52 @@ def test_a_refuted_narrower_law_takes_no_place():
 def estimated(**numbers):
     """Return what reports numbers, each with its standard error."""
     estimates = [
-        SimpleNamespace(name=n, value=v, std=e) for n, (v, e) in numbers.items()
+        SimpleNamespace(name=name, value=value, std=std)
+        for name, (value, std) in numbers.items()
     ]
     return lambda *_: SimpleNamespace(estimates=estimates)
 
 
+def judged(support, **strengths):
+    names = tuple(strengths)
+    hypothesis = SimpleNamespace(strengths=names, parameters=names)
+    candidate = SimpleNamespace(hypothesis=hypothesis)
+    return Judged(candidate, None, None, support, "as judged")
+
+
 @pytest.mark.parametrize(
-    ("rise", "coulomb", "said"),
+    ("rise", "coulomb", "support", "reason"),
     [
-        ((0.30, 0.1), (0.8, 0.01), ""),
-        ((0.02, 0.02), (0.8, 0.01), REASON),
-        ((0.00, None), (0.8, 0.01), REASON),
-        ((0.20, 0.21), (0.6, 0.2), f"{UNTOLD}: rise 0.2 ± 0.21"),
+        ((0.30, 0.1), (0.8, 0.01), Support.SUPPORTED, "as judged"),
+        ((0.02, 0.02), (0.8, 0.01), Support.REFUTED, NOTHING),
+        ((0.00, None), (0.8, None), Support.REFUTED, NOTHING),
+        ((0.20, 0.21), (0.6, 0.2), Support.UNDECIDED, f"{LEFT_OPEN}: rise 0.2 ± 0.21"),
+        (
+            (0.20, None),
+            (0.8, 0.01),
+            Support.UNDECIDED,
+            f"{LEFT_OPEN}: rise is not determined",
+        ),
     ],
 )
-def test_nothing_is_told_from_what_recordings_do_not_tell(
-    monkeypatch, rise, coulomb, said
+def test_nothing_is_told_from_what_recordings_leave_open(
+    monkeypatch, rise, coulomb, support, reason
 ):
-    def law(**strengths):
-        hypothesis = SimpleNamespace(
-            strengths=tuple(strengths), parameters=tuple(strengths)
-        )
-        return SimpleNamespace(candidate=SimpleNamespace(hypothesis=hypothesis))
-
-    monkeypatch.setattr(plainer, "report", estimated(rise=rise, coulomb=coulomb))
-    final = SimpleNamespace(graph=None)
-    wide, narrow = law(coulomb=1, rise=1), law(coulomb=1)
-    assert plainer._needless(wide, narrow, final, []) == said
+    monkeypatch.setattr(addition, "report", estimated(rise=rise, coulomb=coulomb))
+    wide = judged(Support.SUPPORTED, coulomb=1, rise=1)
+    narrow = judged(Support.SUPPORTED, coulomb=1)
+    told = seen_again(wide, narrow, SimpleNamespace(graph=None), [])
+    assert (told.support, told.reason) == (support, reason)
+    assert told.open == (support is OPEN)
 
 
-def test_what_is_not_told_stays_undecided_beside_the_plainer_law():
+@pytest.mark.parametrize("left_open", [True, False])
+def test_what_is_left_open_is_noted_as_that(left_open):
     wide, narrow, _ = search_that_chose_the_wider(0.0, Support.SUPPORTED)
-    found = Round(wide.candidate.fitted, judged=(wide, narrow), chosen=wide)
-    without = plainer._refuted(found, narrow, {id(wide): f"{UNTOLD}: rise 0.2 ± 0.21"})
-    assert without.chosen is narrow
-    assert is_untold(without.judged[0])
-    assert not is_untold(replace(wide, support=Support.REFUTED, reason=REASON))
-    (note,) = notes_on([without], SimpleNamespace(unidentifiable=()), Options())
-    assert note == f"Stribeck friction at cart: {UNTOLD}: rise 0.2 ± 0.21."
+    support = OPEN if left_open else Support.REFUTED
+    told = replace(wide, support=support, reason="left open", open=left_open)
+    found = Round(wide.candidate.fitted, judged=(told, narrow), chosen=narrow)
+    (note,) = notes_on([found], SimpleNamespace(unidentifiable=()), Options())
+    assert note.startswith("Stribeck friction at cart")
+    assert note.endswith(": left open.") == left_open
+    assert ("hardly supported" in note) != left_open

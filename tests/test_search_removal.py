@@ -2,23 +2,14 @@
 
 import numpy as np
 import pytest
+from rubbing_slider import proposed, slider
 
-from bondgraph import BondGraph, R, Recording, Sf, bind_to
+from bondgraph import Recording, bind_to
 from bondgraph.diagnosis.evidence.decision import Rule
-from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.search.removal import fitted_with, pruned
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.drag import QuadraticDrag
 from bondgraph.physics.friction import CoulombFriction, StribeckFriction
-from bondgraph.physics.places.everywhere import all_places
-
-
-def slider():
-    g = BondGraph("slider", domain="translation")
-    g.one("cart", Sf("speed"), R("damper"))
-    g.measure("force", effort="speed")
-    g.parameter("damper", 1.0, "N*s/m", bounds=(0, 100))
-    return g.finish()
 
 
 def recorded(graph, law):
@@ -30,16 +21,6 @@ def recorded(graph, law):
         "force": (1.5 * speed + law(speed) + noise, "N"),
     }
     return bind_to(graph, Recording.from_arrays("run", time, channels))
-
-
-def proposed(fitted, physics):
-    (hypothesis,) = (
-        hypothesis
-        for place in all_places(fitted.graph, measure_scales(fitted))
-        if place.name == "cart"
-        for hypothesis in physics.propose(place)
-    )
-    return hypothesis
 
 
 def one_after_the_other(law, first, second):

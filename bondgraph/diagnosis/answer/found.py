@@ -19,7 +19,6 @@ from bondgraph.diagnosis.records import Evidence, Finding, Support
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.diagnosis.search.one_round import Round
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.plainer import UNTOLD
 from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.spread import changes, spread
@@ -121,15 +120,10 @@ def wider_than_chosen(found: Round, options: Options) -> list[Judged]:
         and j.candidate.hypothesis.contains(chosen.candidate.hypothesis)
         and (
             j.support is Support.REFUTED
-            or is_untold(j)
+            or j.open
             or not clearly_better(j, chosen, options.rule)
         )
     ]
-
-
-def is_untold(wide: Judged) -> bool:
-    """Return whether recordings do not tell what a wider law adds, if anything."""
-    return wide.support is Support.UNDECIDED and wide.reason.startswith(UNTOLD)
 
 
 def _hardly_supported(
@@ -142,7 +136,7 @@ def _hardly_supported(
     )
     return [
         _shown(j, held_out)
-        if is_untold(j)
+        if j.open
         else replace(_shown(j, held_out), support=Support.REFUTED, reason=reason)
         for j in wider_than_chosen(found, options)
     ]

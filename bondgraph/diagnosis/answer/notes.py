@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any
 
-from bondgraph.diagnosis.answer.found import is_untold, wider_than_chosen
+from bondgraph.diagnosis.answer.found import wider_than_chosen
 from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.search.one_round import Round
@@ -49,7 +49,7 @@ def notes_on(
         for judged in wider_than_chosen(found, options):
             assert found.chosen is not None
             plain = found.chosen
-            if is_untold(judged):
+            if judged.open:
                 notes.append(f"{_sentence_start(judged)}: {judged.reason}.")
                 continue
             same = (judged.physics, judged.place) == (plain.physics, plain.place)

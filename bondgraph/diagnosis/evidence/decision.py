@@ -62,13 +62,20 @@ class Rule:
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """A candidate with its left-out errors and what follows from them."""
+    """A candidate with its left-out errors and what follows from them.
+
+    Parameters
+    ----------
+    open
+        Whether the final fit does not tell what it adds to a plainer law that is told.
+    """
 
     candidate: Candidate
     errors: LeftOutErrors
     gain: Gain
     support: Support
     reason: str
+    open: bool = False
 
     @property
     def physics(self) -> str:

@@ -2,8 +2,9 @@
 
 The search compares laws over short windows; the final fit, over the horizon that suits
 it, knows the parameters better. Where all that a law has beyond a narrower one is there
-zero within its error, or not determined, the narrower one is told, and the wider one
-refuted. A narrower one that short windows did not decide has to fit as well in the end.
+zero within its error, or not determined, the narrower one is told. The wider one is
+refuted, or left open where the recordings leave it open. A narrower one that short
+windows did not decide has to fit as well in the end.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,27 +12,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from bondgraph.diagnosis.evidence.addition import added_strengths, seen_again
 from bondgraph.diagnosis.evidence.decision import Judged, Rule
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.horizons import sharpened
 from bondgraph.diagnosis.search.one_round import Round, accepted, chosen_in
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.removal import fitted_with
-from bondgraph.fitting.estimate import FittedModel, report
+from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
-
-ERRORS = 2.58
-"""Standard deviations within which a strength is nothing: one time in a hundred chance
-goes beyond.
-"""
-
-REASON = "the final fit finds what it adds to the plainer law to be nothing"
-UNTOLD = "these recordings do not tell what it adds to the plainer law"
-
-LOOSE = 0.1
-"""Share of a number that both laws have: where it is not known to that beside an
-addition, the addition may stand for a part of it.
-"""
 
 
 def without_needless_parts(
@@ -57,12 +46,11 @@ def without_needless_parts(
             if id(wide) not in finals:
                 chosen = [*plain[:i], replace(found, chosen=wide), *plain[i + 1 :]]
                 finals[id(wide)] = _sharpened_with(chosen, final, recordings, options)
-        reasons = {
-            id(wide): _needless(wide, narrower, finals[id(wide)], recordings)
-            for wide in wider
-        }
-        needless = {wide: reason for wide, reason in reasons.items() if reason}
-        without = _refuted(found, narrower, needless)
+        seen = (
+            seen_again(wide, narrower, finals[id(wide)], recordings) for wide in wider
+        )
+        again = dict(zip(map(id, wider), seen, strict=True))
+        without = _without(found, narrower, again)
         if without.chosen is found.chosen:
             plain[i] = without
             continue
@@ -103,7 +91,7 @@ def _narrower(found: Round) -> Judged | None:
         if j.support is not Support.REFUTED
         and j.gain.value > 0.0
         and chosen.candidate.hypothesis.contains(j.candidate.hypothesis)
-        and _added(chosen, j)
+        and added_strengths(chosen, j)
     ]
     return max(
         contained,
@@ -119,68 +107,36 @@ def _wider(found: Round, narrower: Judged) -> list[Judged]:
         for j in found.judged
         if j.support is Support.SUPPORTED
         and j.candidate.hypothesis.contains(narrower.candidate.hypothesis)
-        and _added(j, narrower)
+        and added_strengths(j, narrower)
     ]
 
 
-def _added(wide: Judged, narrower: Judged) -> set[str]:
-    """Return the strengths that the wider law has beyond the narrower one."""
-    own = set(wide.candidate.hypothesis.strengths)
-    return own - set(narrower.candidate.hypothesis.parameters)
+def _without(found: Round, narrower: Judged, again: Mapping[int, Judged]) -> Round:
+    """Return the round with wider laws as the final fit sees them.
 
-
-def _needless(
-    wide: Judged,
-    narrower: Judged,
-    final: FittedModel,
-    recordings: Sequence[BoundRecording],
-) -> str:
-    """Return why what the wider law adds is not told; nothing where it is there."""
-    estimates = {e.name: e for e in report(final, final.graph, recordings).estimates}
-    added = [estimates[n] for n in sorted(_added(wide, narrower)) if n in estimates]
-    if any(e.std is not None and abs(e.value) > ERRORS * e.std for e in added):
-        return ""
-    known = [e for e in added if e.std is not None]
-    common = set(wide.candidate.hypothesis.strengths) - {e.name for e in added}
-    shared = [estimates[name] for name in common if name in estimates]
-    loose = [e for e in shared if e.std is None or e.std > LOOSE * abs(e.value)]
-    if not known or not loose:
-        return REASON
-    numbers = ", ".join(f"{e.name} {e.value:.2g} ± {e.std:.2g}" for e in known)
-    return f"{UNTOLD}: {numbers}"
-
-
-def _refuted(found: Round, narrower: Judged, needless: Mapping[int, str]) -> Round:
-    """Return the round without needless laws, and the narrower one chosen.
+    The narrower one is chosen where nothing of the chosen one stands.
 
     Parameters
     ----------
-    needless
-        Why, by the id of the law as judged.
+    again
+        The wider laws as seen again, by the id of the law as judged.
     """
-    judged = tuple(
-        replace(
-            j,
-            support=Support.REFUTED if needless[id(j)] == REASON else Support.UNDECIDED,
-            reason=needless[id(j)],
-        )
-        if id(j) in needless
-        else j
-        for j in found.judged
-    )
-    if id(found.chosen) not in needless:
+    judged = tuple(again.get(id(j), j) for j in found.judged)
+    before = found.chosen
+    after = again.get(id(before))
+    if before is None or after is None or after is before:
         return replace(found, judged=judged)
     # The wider law is there the narrower one: what it takes away this one does. The
     # resamples had asked for the wider law.
-    if narrower.support is not Support.SUPPORTED and found.chosen is not None:
+    told = narrower
+    if narrower.support is not Support.SUPPORTED:
         told = replace(
-            found.chosen,
+            before,
             candidate=narrower.candidate,
-            reason=f"{found.chosen.reason}, in a wider form that adds nothing",
+            reason=f"{before.reason}, in a wider form that adds nothing",
         )
         judged = tuple(told if j is narrower else j for j in judged)
-        narrower = told
-    return replace(found, judged=judged, chosen=narrower, probability=None)
+    return replace(found, judged=judged, chosen=told, probability=None)
 
 
 def _sharpened_with(
