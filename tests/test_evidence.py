@@ -1,5 +1,6 @@
 """Evidence: errors on left-out data against least squares by hand, and the decision."""
 
+from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -28,6 +29,7 @@ from bondgraph.diagnosis.evidence.decision import (
     clearly_better,
     judge,
     probability,
+    with_plainer,
 )
 from bondgraph.diagnosis.evidence.gain import (
     MERE_SHAPE,
@@ -35,7 +37,7 @@ from bondgraph.diagnosis.evidence.gain import (
     beside_earlier,
     compare,
 )
-from bondgraph.diagnosis.evidence.judging import decide
+from bondgraph.diagnosis.evidence.judging import Verdicts, decide, decide_anew
 from bondgraph.diagnosis.evidence.left_out import (
     FOLDS,
     LeftOutErrors,
@@ -281,6 +283,57 @@ def test_what_is_still_missing_may_bend_a_wider_law_to_lead(left, noise):
     assert best_supported([wide, bent], RULE) is (wide if noise == 0.9 else bent)
 
 
+def hardly(left, **words):
+    """A law that would be supported, had it been tried alone."""
+    return judged(left, Support.UNDECIDED, **words)
+
+
+def test_a_simpler_law_that_came_short_by_the_number_tried_is_told_for_a_wider_one():
+    wide = judged(0.30, physics="hysteresis", complexity=3)
+    near, far = hardly(0.31, physics="coulomb_friction"), hardly(0.5, physics="spring")
+    promoted = with_plainer([wide, near, far], RULE)
+    assert [j.support for j in promoted] == [
+        Support.SUPPORTED,
+        Support.SUPPORTED,
+        Support.UNDECIDED,
+    ]
+    assert "hardly less than" in promoted[1].reason
+    verdicts = decide([wide, near, far], BASE, RULE, lambda _: True)
+    assert verdicts.chosen.physics == "coulomb_friction"
+    # Without anything that is supported nothing is.
+    assert decide([near, far], BASE, RULE, lambda _: True).chosen is None
+
+
+def test_a_law_that_is_not_there_by_itself_is_told_for_none():
+    wide = judged(0.30, physics="hysteresis", complexity=3)
+    doubtful = hardly(0.31, physics="coulomb_friction")
+    doubtful = replace(doubtful, gain=replace(doubtful.gain, p_value=0.02))
+    assert with_plainer([wide, doubtful], RULE)[1].support is Support.UNDECIDED
+
+
+def test_a_named_law_that_gives_most_of_a_curve_needs_not_be_the_best_of_all_tried():
+    curve = judged(0.1, physics=CURVE, complexity=8)
+    most, little = hardly(0.2, physics="drag"), hardly(0.4, physics="drag")
+    assert with_plainer([curve, most], RULE)[1].support is Support.SUPPORTED
+    assert with_plainer([curve, little], RULE)[1].support is Support.UNDECIDED
+
+
+def test_two_lists_of_candidates_are_decided_together_where_chunks_are_the_same():
+    curve = judged(0.1, physics=CURVE, complexity=8)
+    named = hardly(0.15, physics="added_compliance")
+    first = decide([curve], BASE, RULE, lambda _: True)
+    then = decide([named], BASE, RULE, lambda _: True)
+    assert first.chosen is curve
+    assert then.chosen is None
+    both = decide_anew(first, then, RULE, lambda _: True)
+    assert both.chosen.physics == "added_compliance"
+    other = replace(then, before=LeftOutErrors(BASE.chunks[:6]))
+    apart = decide_anew(first, other, RULE, lambda _: True)
+    assert apart.chosen is curve
+    assert len(apart.judged) == 2
+    assert decide_anew(Verdicts(), then, RULE, lambda _: True) is then
+
+
 def test_what_loses_whole_recordings_is_refuted_and_the_next_is_told():
     best, next_best = judged(0.1, physics="runaway"), judged(0.3)
     verdicts = decide(
@@ -401,9 +454,21 @@ def test_the_probability_counts_the_same_physics_where_it_cannot_be_told_apart()
 
 
 def test_no_more_is_stated_than_was_right_on_concealed_cases():
-    assert beyond_resampling(1.0) == pytest.approx(1.0 - 7 / 45, abs=0.01)
-    assert beyond_resampling(0.5) == pytest.approx(beyond_resampling(1.0) / 2)
-    assert beyond_resampling(0.0) == 0.0
+    many = LeftOutErrors(BASE.chunks, samples=2000)
+    assert beyond_resampling(1.0, many) == pytest.approx(1.0 - 7 / 45, abs=0.01)
+    assert beyond_resampling(0.5, many) == pytest.approx(
+        beyond_resampling(1.0, many) / 2
+    )
+    assert beyond_resampling(0.0, many) == 0.0
+
+
+def test_few_chunks_and_short_ones_are_believed_less():
+    many = beyond_resampling(1.0, LeftOutErrors(BASE.chunks, samples=2000))
+    few = beyond_resampling(1.0, LeftOutErrors(BASE.chunks[:6], samples=2000))
+    assert few == pytest.approx(many * (6 / 8) / (24 / 26))
+    # Fifteen samples are two chunks of eight, however they are cut.
+    short = beyond_resampling(1.0, LeftOutErrors(BASE.chunks[:6], samples=15))
+    assert short < 0.5
 
 
 def twin_of(one):

@@ -577,6 +577,36 @@ def test_a_gap_ends_a_stretch_and_jitter_does_not():
     assert stretches(t) == (Window(0, 40), Window(40, 70), Window(70, 100))
 
 
+def test_a_logger_that_slows_down_at_rest_leaves_no_gap_and_a_pause_does():
+    steps = np.full(200, 0.2)
+    steps[60:100] = 8.0
+    steps[150] = 8.0
+    t = np.cumsum(steps)
+    assert stretches(t) == (Window(0, 150), Window(150, 200))
+
+
+def test_an_uneven_clock_leaves_no_gaps_unless_they_are_long():
+    steps = np.full(400, 6e-3)
+    steps[::12] = 25e-3
+    steps[200] = 0.5
+    t = np.cumsum(steps)
+    assert stretches(t) == (Window(0, 200), Window(200, 400))
+
+
+def test_a_sample_alone_between_two_gaps_is_left_out():
+    steps = np.full(100, 0.1)
+    steps[[50, 51]] = 20.0
+    recording = Recording.from_arrays("r", t := np.cumsum(steps), {"x": (t, "m")})
+    assert windows(recording) == (Window(0, 50), Window(51, 100))
+
+
+def test_a_recording_without_a_long_enough_stretch_says_what_it_has():
+    t = np.arange(12.0)
+    t[6:] += 50.0
+    recording = Recording.from_arrays("r", t, {"x": (t, "m")})
+    assert "12 samples, 1 gap." in refusal(windows, recording)
+
+
 @pytest.mark.parametrize("length", [{"samples": 10}, {"seconds": 0.1}])
 def test_windows_are_contiguous_and_of_the_length_asked(length):
     cut = windows(drive(45), **length)
@@ -603,7 +633,7 @@ def test_windows_that_cannot_be_are_refused():
     assert "one length" in refusal(windows, recording, seconds=1.0, samples=9)
     assert "shorter than" in refusal(windows, recording, samples=3)
     assert "shorter than" in refusal(windows, recording, seconds=0.01)
-    assert "no window" in refusal(windows, recording, least=50)
+    assert "45 samples, 0 gaps" in refusal(windows, recording, least=50)
     table = Recording.from_arrays("map", None, {"x": (TIME, "m")})
     assert "steady" in refusal(windows, table, samples=9)
     refusal(Window, 3, 3)

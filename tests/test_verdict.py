@@ -11,13 +11,14 @@ from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
 from bondgraph.diagnosis.answer.found import doubted
 from bondgraph.diagnosis.answer.leftover import excusable
 from bondgraph.diagnosis.answer.notes import notes_on
+from bondgraph.diagnosis.answer.telling import left_of_whole
 from bondgraph.diagnosis.answer.verdict import (
     verdict_of,
     without_size,
     worse_held_out,
 )
 from bondgraph.diagnosis.records import Verdict
-from bondgraph.diagnosis.search.candidates import Rejected
+from bondgraph.diagnosis.search.candidates import CURVE, Rejected
 from bondgraph.diagnosis.search.one_round import Round
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.recordings.binding import bind
@@ -91,19 +92,52 @@ def test_coloured_noise_as_large_as_the_motion_is_not_called_noise(size, verdict
             shots=SimpleNamespace(outputs=moves),
         ),
     )
-    coloured = Adequacy(
-        status=AdequacyStatus.COLOURED,
-        p_value=0.3,
-        level=0.01,
-        draws=100,
-        outputs=(),
-        dependences=(),
-        unconverged=0.0,
-        reasons=(),
-    )
+    coloured = _checked(AdequacyStatus.COLOURED)
     answer, statement = verdict_of([], base, {"x": 1e-3}, Round(None), 1.0, coloured)
     assert answer is verdict
     assert ("not recorded" in statement) == (verdict is Verdict.CANNOT_TELL)
+
+
+def _checked(status, *dependences):
+    return Adequacy(
+        status=status,
+        p_value=0.01,
+        level=0.01,
+        draws=100,
+        outputs=(),
+        dependences=dependences,
+        unconverged=0.0,
+        reasons=(),
+    )
+
+
+@pytest.mark.parametrize(
+    ("share", "verdict"), [(0.35, Verdict.CANNOT_TELL), (0.01, Verdict.ADEQUATE)]
+)
+def test_what_follows_the_machine_is_not_nothing_however_near_the_noise(share, verdict):
+    base = SimpleNamespace(
+        residuals=lambda: np.full((400, 1), 2.0),
+        problem=SimpleNamespace(
+            model=SimpleNamespace(output_names=("x",)),
+            shots=SimpleNamespace(outputs=np.sin(np.arange(400))[:, None]),
+        ),
+    )
+    follows = SimpleNamespace(share=share, variable="flow", place="wall")
+    checked = _checked(AdequacyStatus.STRUCTURE, follows)
+    answer, statement = verdict_of([], base, {"x": 1.0}, Round(None), 1.0, checked)
+    assert answer is verdict
+    reliable = "explains it reliably" in statement
+    assert reliable == (verdict is Verdict.CANNOT_TELL)
+
+
+@pytest.mark.parametrize(
+    ("after", "left"), [(0.7, 0.0), (0.95, 0.95**2), (1.0, 1.0), (3.0, 1.0)]
+)
+def test_what_whole_training_recordings_keep_is_left(after, left):
+    trained = SimpleNamespace(
+        before=SimpleNamespace(nrmse=1.0), after=SimpleNamespace(nrmse=after)
+    )
+    assert left_of_whole(trained) == pytest.approx(left)
 
 
 @pytest.mark.parametrize(
@@ -140,6 +174,14 @@ def test_what_remains_beside_findings_counts_against_each(left, believed):
     known, silent = doubted(both, left)
     assert known.probability == pytest.approx(believed * 0.8)
     assert silent.probability is None
+
+
+def test_a_law_without_a_known_number_is_believed_half():
+    known, hollow = _found((2.0, 0.1), (0.3, None)), _found((2.0, 30.0), (0.3, None))
+    curve = replace(hollow, physics=CURVE)
+    told = [replace(one, probability=0.8) for one in (known, hollow, curve)]
+    stated = [one.probability for one in doubted(told, 0.0)]
+    assert stated == pytest.approx([0.8, 0.4, 0.8])
 
 
 def test_a_law_that_was_found_is_not_told_as_left_aside_in_another_form():

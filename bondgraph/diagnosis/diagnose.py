@@ -11,24 +11,21 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from bondgraph.diagnosis.answer.leftover import excusable
+from bondgraph.diagnosis.answer.notes import notes_on_gaps
 from bondgraph.diagnosis.answer.telling import answer
 from bondgraph.diagnosis.misreadings import refuse_unchanging, without_misreadings
 from bondgraph.diagnosis.records import Diagnosis
-from bondgraph.diagnosis.search.between_samples import finely_stepped, fitted_either_way
-from bondgraph.diagnosis.search.horizons import search_settings, sharpened
+from bondgraph.diagnosis.search.beginnings import base_fit
+from bondgraph.diagnosis.search.horizons import search_settings
+from bondgraph.diagnosis.search.looks import look, second_look
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.plainer import without_needless_parts
-from bondgraph.diagnosis.search.rounds import search
 from bondgraph.diagnosis.work.clock import Progress
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.limit import Limit
 from bondgraph.diagnosis.work.workers import workshop
-from bondgraph.errors import FitError
-from bondgraph.fitting.estimate import fit_model
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.windows import windows
 from bondgraph.structure.graph import FinishedGraph
 
 
@@ -60,36 +57,29 @@ def diagnose(
     FitError
         If the base model cannot be simulated at all.
     RecordingError
-        If a measured output never changes in any of the training recordings.
+        If a measured output never changes in any of the training recordings, or one of
+        the recordings is too short, or too full of gaps, to simulate anything over.
     """
     chosen = Options() if options is None else options
     limit = Limit.after(chosen.seconds)
     refuse_unchanging(recordings)
     read, kept_back = without_misreadings(recordings), without_misreadings(held_out)
     recordings, held_out = read.recordings, kept_back.recordings
+    for one in (*recordings, *held_out):
+        if not one.steady:
+            windows(one)  # Refused before the work, where it is too short.
     progress("fitting the base model")
     settings = search_settings(graph, recordings, chosen.settings)
-    fit = fitted_either_way if chosen.either_hold else fit_model
-    base = fit(graph, recordings, settings)
-    if not np.isfinite(base.optimum.cost):
-        raise FitError(
-            f"{graph.name!r} cannot be simulated at its start values.",
-            (graph.name,),
-            "Give start values nearer to the machine, or bounds that keep it finite.",
-        )
     noise = excusable(recordings)
-    base = finely_stepped(base, noise)
-    journal = Journal(chosen.resume)
-    with workshop(chosen.where, journal, progress, limit) as shop:
-        rounds = search(base, recordings, noise, chosen, shop)
-    final = base
-    if rounds[-1].base is not base:
-        progress("refitting the improved model")
-        final = sharpened(rounds[-1].base, recordings, chosen)
-        rounds, final = without_needless_parts(rounds, final, recordings, chosen)
+    base = base_fit(graph, recordings, settings, noise, chosen)
+    with workshop(chosen.where, Journal(chosen.resume), progress, limit) as shop:
+        first = look(base, recordings, noise, chosen, shop)
+        seen = second_look(graph, first, recordings, noise, chosen, shop)
     progress("simulating the held-out recordings")
-    found = answer(graph, recordings, held_out, rounds, final, chosen)
-    return replace(found, notes=(*found.notes, *read.notes, *kept_back.notes))
+    found = answer(graph, recordings, held_out, seen.rounds, seen.final, chosen)
+    gaps = notes_on_gaps((*recordings, *held_out))
+    notes = (*found.notes, *read.notes, *kept_back.notes, *gaps)
+    return replace(found, notes=notes)
 
 
 __all__ = ["Options", "diagnose"]

@@ -109,7 +109,7 @@ def combination_sentences(
         left -= len(sums) if found else 0
     if left > 0 or (len(powers) and not told):
         null = _without(at_all[0], dead)
-        sentences.append(_unnamed(names, null if len(null) else at_all[0]))
+        sentences.append(_unnamed(names, null if len(null) else at_all[0], where))
     return tuple(sentences)
 
 
@@ -241,7 +241,7 @@ def _sum(weights: dict[str, Fraction]) -> str:
     return text
 
 
-def _unnamed(names: Sequence[str], null: Array) -> str:
+def _unnamed(names: Sequence[str], null: Array, where: str) -> str:
     """Return the sentence for directions that are no product and no sum."""
     moving = [
         name
@@ -249,6 +249,9 @@ def _unnamed(names: Sequence[str], null: Array) -> str:
         if weight > 0.05 * np.abs(null).max()
     ]
     fewer = len(moving) - len(null)
+    if fewer <= 0:
+        have = "has" if len(moving) == 1 else "have"
+        return f"{listed(moving)} {have} hardly any effect on {where}"
     return f"{listed(moving)} only in {fewer} combination{'s' if fewer != 1 else ''}"
 
 

@@ -1,7 +1,9 @@
 """Windows: stretches of a recording without gaps, cut to length; splits and blocks.
 
-A step of more than three median steps is a gap: nothing may be simulated across it. A
-window is a range of samples, so that it costs nothing and means the same for every
+A step of more than three median steps is a gap, unless its neighbours are as long (a
+logger that slows down at rest), or such steps are common and not much longer (an uneven
+clock). Nothing may be simulated across a gap.
+A window is a range of samples, so that it costs nothing and means the same for every
 channel. Steady tables have no time to be cut in; their rows are dealt out evenly.
 """
 
@@ -12,6 +14,7 @@ from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 
 from bondgraph.errors import RecordingError
 from bondgraph.recordings.binding import BoundRecording
@@ -19,7 +22,16 @@ from bondgraph.recordings.channel import FloatArray
 from bondgraph.recordings.recording import Recording
 
 GAP_FACTOR = 3.0
-"""A step of more than this many median steps is a gap."""
+"""A step of more than this many median steps is a gap, where such steps are rare."""
+
+SURE_GAP = 10.0
+"""And one of more than this many always is."""
+
+NEIGHBOURS = 5
+"""The median of so many steps around one is what is typical there."""
+
+RARE_SHARE, RARE_COUNT = 0.02, 5
+"""So many steps, of all or at all, are rare."""
 
 SHORTEST_WINDOW = 8
 """Samples; a remainder shorter than this joins the window before it."""
@@ -62,7 +74,11 @@ def stretches(time: FloatArray) -> tuple[Window, ...]:
     if time.size < 2:
         return (Window(0, time.size),)
     steps = np.diff(time)
-    starts = np.flatnonzero(steps > GAP_FACTOR * np.median(steps)) + 1
+    typical = np.maximum(np.median(steps), median_filter(steps, NEIGHBOURS))
+    longer = steps / typical
+    long = np.count_nonzero(longer > GAP_FACTOR)
+    rare = long <= max(RARE_SHARE * steps.size, RARE_COUNT)
+    starts = np.flatnonzero(longer > (GAP_FACTOR if rare else SURE_GAP)) + 1
     return _between((0, *starts.tolist(), time.size))
 
 
@@ -109,10 +125,11 @@ def windows(
         kept.extend(_joined(stretch.start, cuts, time.size, least))
     if not kept:
         raise RecordingError(
-            f"{recording.name!r} has no window of {least} samples without a gap.",
+            f"{recording.name!r} has no {least} samples in a row without a gap: "
+            f"{_counted(recording)}.",
             (recording.name,),
             f"A gap is a step of more than {GAP_FACTOR:g} median steps "
-            f"({recording.step:.4g} s).",
+            f"({recording.step:.4g} s). Record for longer, or split elsewhere.",
         )
     return tuple(kept)
 
@@ -188,6 +205,12 @@ def blocks(recording: Recording | BoundRecording, count: int) -> tuple[Window, .
     # Long gaps leave some durations without samples: equal numbers of samples then.
     rows = np.linspace(0, len(recording), count + 1).round().astype(int).tolist()
     return _between(rows)
+
+
+def _counted(recording: Recording | BoundRecording) -> str:
+    """Return how many samples a recording has, and how many gaps."""
+    gaps = len(stretches(recording.time)) - 1
+    return f"{len(recording)} samples, {gaps} gap{'' if gaps == 1 else 's'}"
 
 
 def _joined(

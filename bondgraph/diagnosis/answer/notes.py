@@ -15,6 +15,7 @@ from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.result import FitResult
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.windows import SHORTEST_WINDOW, stretches
 
 
 def notes_on(
@@ -60,6 +61,26 @@ def notes_on(
                 f"{'' if same else f' than {name_of(plain.physics)}'}."
             )
     return tuple(dict.fromkeys(notes))
+
+
+def notes_on_gaps(recordings: Sequence[BoundRecording]) -> tuple[str, ...]:
+    """Return a sentence for each recording that is cut at gaps in its time."""
+    notes = []
+    for recording in recordings:
+        parts = () if recording.steady else stretches(recording.time)
+        short = sum(len(part) for part in parts if len(part) < SHORTEST_WINDOW)
+        if len(parts) > 1:
+            left_out = (
+                f"; {short} samples lie in stretches of fewer than {SHORTEST_WINDOW} "
+                "and are not used"
+                if short
+                else ""
+            )
+            notes.append(
+                f"The time of {recording.name} has gaps: it is simulated in "
+                f"{len(parts)} stretches, each from a state of its own{left_out}."
+            )
+    return tuple(notes)
 
 
 def _sentence_start(judged: Judged | Hypothesis) -> str:

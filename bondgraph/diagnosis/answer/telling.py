@@ -28,6 +28,9 @@ from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
 
+HARDLY = 0.9
+"""Whole recordings of which so much of the error is left are hardly explained."""
+
 DRAWN_RIVALS = 4
 """How many other laws are drawn over the cloud of a recovered one."""
 
@@ -48,8 +51,7 @@ def answer(
     trained = _comparison(base, final, recordings)
     shown = _comparison(base, final, held_out)
     left = remaining(rounds, noise_floor(recordings))
-    if not trained.after.nrmse < trained.before.nrmse:
-        left = max(left, 1.0)
+    left = max(left, left_of_whole(trained))
     findings = doubted(told, left)
     wrong = contradicted(graph, after.estimates)
     verdict, statement = concluded(
@@ -90,6 +92,16 @@ def answer(
         complete=not any(one.cut_short for one in rounds),
         provenance=provenance(recordings, held_out, options, final),
     )
+
+
+def left_of_whole(trained: Comparison) -> float:
+    """Return the share of squared error that whole training recordings keep, if most.
+
+    What explains windows, each from a state of its own, and hardly a recording is not
+    the cause.
+    """
+    ratio = trained.after.nrmse / trained.before.nrmse
+    return 0.0 if ratio < HARDLY else min(ratio**2, 1.0)
 
 
 def _rivals(found: Round) -> list[Candidate]:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
-from bondgraph.diagnosis.answer.found import MUCH_REMAINING
+from bondgraph.diagnosis.answer.found import ERRORS, MUCH_REMAINING, is_hollow
 from bondgraph.diagnosis.answer.leftover import (
     ADEQUATE_RATIO,
     residual_over_noise,
@@ -28,9 +28,6 @@ MOST_REMAINING = 0.5
 
 TRACE = 0.05
 """A smaller share of what a model leaves does not matter, however sure it is."""
-
-ERRORS = 2.0
-"""So many standard errors above nothing is worth a word."""
 
 MANY = 1000
 """Beyond it, how many times the noise says more of the noise than of the model."""
@@ -89,13 +86,19 @@ def verdict_of(
             f"little to matter{_tried_words(first.tried)}."
         )
     undecided = [j for j in first.judged if j.support is Support.UNDECIDED]
-    if undecided and not worst <= ADEQUATE_RATIO:
+    structured = checked is not None and checked.status is AdequacyStatus.STRUCTURE
+    if undecided and (structured or not worst <= ADEQUATE_RATIO):
         names = ", ".join(
             dict.fromkeys(f"{name_of(j.physics)} at {j.place}" for j in undecided[:3])
         )
         return Verdict.CANNOT_TELL, (
             f"These recordings do not decide: {names} would help, but not reliably on "
             "data that were left out."
+        )
+    if checked is not None and structured and worst <= ADEQUATE_RATIO:
+        return Verdict.CANNOT_TELL, (
+            f"{checked.status} Yet none of the {first.tried} candidates explains it "
+            "reliably on data that were left out."
         )
     if worst > ADEQUATE_RATIO:
         return Verdict.UNEXPLAINED, (
@@ -208,15 +211,9 @@ def without_size(
     A law of which no size, no place and no time is told from none only lends its form
     to something else. What was found first decides the verdict.
     """
-    hollow = [
-        finding
-        for finding in findings
-        if finding.estimates
-        and all(
-            e.std is None or abs(e.value) <= ERRORS * e.std for e in finding.estimates
-        )
-    ]
-    if verdict is not Verdict.PHYSICS_MISSING or not hollow:
+    hollow = [finding for finding in findings if is_hollow(finding)]
+    told_something = verdict in (Verdict.PHYSICS_MISSING, Verdict.UNEXPLAINED)
+    if not told_something or not hollow:
         return verdict, statement
     names = " and ".join(f"{name_of(f.physics)} at {f.place}" for f in hollow)
     told = (

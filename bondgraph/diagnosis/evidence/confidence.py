@@ -26,9 +26,24 @@ UNSEEN = 0.15
 """
 
 
-def beyond_resampling(share: float) -> float:
-    """Return the probability to state for a share of resamples won."""
-    return (1.0 - UNSEEN) * share
+USUAL_CHUNKS, CHUNK = 24, 8
+"""On so many chunks that was measured; a chunk of fewer samples is part of one."""
+
+
+def beyond_resampling(share: float, errors: LeftOutErrors) -> float:
+    """Return the probability to state for a share of resamples won.
+
+    Few chunks dealt anew say little of what others would say: as if two more had been
+    lost (the rule of succession).
+
+    Parameters
+    ----------
+    errors
+        Those of the winner.
+    """
+    n = min(float(errors.chunks.size), errors.samples / CHUNK, float(USUAL_CHUNKS))
+    usual = USUAL_CHUNKS / (USUAL_CHUNKS + 2.0)
+    return (1.0 - UNSEEN) * share * n / (n + 2.0) / usual
 
 
 def winning_shares(

@@ -6,7 +6,7 @@ the simplest wins; the others stay on record as alternatives.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bondgraph.diagnosis.evidence.confidence import winning_shares
 from bondgraph.diagnosis.evidence.gain import Gain, compare
@@ -18,6 +18,7 @@ from bondgraph.physics.library import LIBRARY
 ALIKE = 0.02
 BENT = 0.25
 """Of what a law leaves beyond the noise, so much it may owe to bending towards it."""
+NEARLY_AS_GOOD = "hardly less than a supported law with more parameters"
 NAMED_SHARE = 0.8
 """A named law must give this share of what a free curve gives, or the curve is told."""
 
@@ -118,6 +119,45 @@ def judge(
         support = Support.UNDECIDED
         reason = f"{gain} could be nothing"
     return Judged(candidate, errors, gain, support, reason)
+
+
+def with_plainer(judged: Sequence[Judged], rule: Rule) -> tuple[Judged, ...]:
+    """Return candidates, a simpler one supported where a supported one beats it hardly.
+
+    How many were tried is held against the first that is accepted. Once something is
+    known to be missing, a simpler law that is there by itself, and that predicts nearly
+    as well, is the likelier one, though it has come short of that level.
+    """
+    supported = [j for j in judged if j.support is Support.SUPPORTED]
+    return tuple(
+        replace(
+            j,
+            support=Support.SUPPORTED,
+            reason=f"reduces the left-out error by {j.gain}, {NEARLY_AS_GOOD}",
+        )
+        if _is_by_itself(j, rule)
+        and any(_hardly_beaten(j, other, rule) for other in supported)
+        else j
+        for j in judged
+    )
+
+
+def _is_by_itself(judged: Judged, rule: Rule) -> bool:
+    """Return whether an undecided law would be supported, had it been tried alone."""
+    gain = judged.gain
+    enough = gain.value >= rule.materiality
+    sure = gain.p_value <= rule.false_alarm_probability
+    return judged.support is Support.UNDECIDED and enough and sure
+
+
+def _hardly_beaten(plainer: Judged, other: Judged, rule: Rule) -> bool:
+    """Return whether a wider law does not clearly beat another, or a curve by far."""
+    if plainer.physics == CURVE:
+        return False
+    if other.physics == CURVE:
+        return plainer.gain.value >= NAMED_SHARE * other.gain.value
+    more = other.candidate.complexity > plainer.candidate.complexity
+    return more and not clearly_better(other, plainer, rule)
 
 
 def best_supported(judged: Sequence[Judged], rule: Rule) -> Judged | None:

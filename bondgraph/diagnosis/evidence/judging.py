@@ -12,6 +12,7 @@ from bondgraph.diagnosis.evidence.decision import (
     best_supported,
     judge,
     probability,
+    with_plainer,
 )
 from bondgraph.diagnosis.evidence.left_out import (
     LeftOutErrors,
@@ -33,11 +34,18 @@ TWINS = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class Verdicts:
-    """All that were judged, the one to believe, if any, and how probable it is."""
+    """All that were judged, the one to believe, if any, and how probable it is.
+
+    Parameters
+    ----------
+    before
+        Errors without any of them.
+    """
 
     judged: tuple[Judged, ...] = ()
     chosen: Judged | None = None
     probability: float | None = None
+    before: LeftOutErrors | None = None
 
 
 def judge_all(
@@ -110,15 +118,33 @@ def decide(
     before
         Errors without any of them.
     """
-    left = list(judged)
+    left = list(with_plainer(judged, rule))
     while chosen := best_supported(left, rule):
         if holds(chosen.candidate):
             sure = probability(chosen, left, before, rule)
-            return Verdicts(tuple(left), chosen, sure)
+            return Verdicts(tuple(left), chosen, sure, before)
         left[left.index(chosen)] = replace(
             chosen, support=Support.REFUTED, reason=LOST_FROM_THE_START
         )
-    return Verdicts(tuple(left))
+    return Verdicts(tuple(left), before=before)
+
+
+def decide_anew(
+    one: Verdicts, other: Verdicts, rule: Rule, holds: Callable[[Candidate], bool]
+) -> Verdicts:
+    """Return what two lists of candidates amount to together.
+
+    Where their errors are not on the same chunks, what the better of the two says.
+    """
+    both = (*one.judged, *other.judged)
+    before, after = one.before, other.before
+    if before is None or after is None:
+        return other if before is None else one
+    if len(before.chunks) == len(after.chunks):
+        return decide(both, before, rule, holds)
+    chosen = [v.chosen for v in (one, other) if v.chosen is not None]
+    best = best_supported(chosen, rule)
+    return replace(one if best is one.chosen else other, judged=both)
 
 
 def first_twin(index: int, candidates: Sequence[Candidate]) -> int:

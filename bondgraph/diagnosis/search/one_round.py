@@ -5,13 +5,13 @@ judged on left-out data, and of the supported ones the simplest is chosen.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.evidence.decision import Judged
-from bondgraph.diagnosis.evidence.judging import Verdicts, judge_all
+from bondgraph.diagnosis.evidence.judging import Verdicts, decide_anew, judge_all
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.beyond_noise import explainable
 from bondgraph.diagnosis.search.candidates import (
@@ -34,8 +34,8 @@ from bondgraph.recordings.binding import BoundRecording
 Array = NDArray[np.float64]
 
 MUCH = 0.5
-"""A residual of which so much is not noise, and of which nothing at all is found, is
-looked at again: what remembers promises little from afar, for it changes what the other
+"""A residual of which so much is not noise, and for which no named law is found, is
+looked at again: what remembers promises little from afar, for it changes what all other
 numbers are. Behind a first finding that would cost more than it has ever shown.
 """
 
@@ -129,6 +129,10 @@ class Setting:
         """Whether this is the first round."""
         return self.number == 1
 
+    def holds(self, candidate: Candidate) -> bool:
+        """Return whether whole recordings are simulated about as well with it."""
+        return holds_for_whole(self.base, candidate, self.recordings)
+
 
 def one_round(setting: Setting, shop: Workshop) -> Round:
     """Propose, screen, fit and judge; return what was found."""
@@ -140,13 +144,18 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
     order = {one.told_by: i for i, one in enumerate(hypotheses)}
     fitted = fit_best(bench, leading, HOPELESS, options.judged)
     look = _judged(setting, bench, fitted, order, screened.independent)
-    nothing = setting.is_first and look.verdicts.chosen is None
-    if nothing and explainable(base, setting.noise) > MUCH:
+    if (
+        setting.is_first
+        and not look.has_named
+        and explainable(base, setting.noise) > MUCH
+    ):
         first = {id(one.hypothesis) for one in leading}
         others = [one for one in screened.promised if id(one.hypothesis) not in first]
         fitted = fit_remembering(bench, others, HOPELESS, options.judged)
         tried = screened.independent + len(others)
-        look = look.with_another(_judged(setting, bench, fitted, order, tried))
+        other = _judged(setting, bench, fitted, order, tried)
+        both = decide_anew(look.verdicts, other.verdicts, options.rule, setting.holds)
+        look = _Look(both, (*look.rejected, *other.rejected))
     verdicts, first_choice = look.verdicts, look.verdicts.chosen
     chosen = None if first_choice is None else as_fine_as_told(bench, first_choice)
     kept = [chosen if j is first_choice and chosen else j for j in verdicts.judged]
@@ -196,11 +205,7 @@ def _judged(
     material = [c for c in fitted if c.reduction(base) >= least]
     worth, rejected = worth_judging(base, material, recordings)
     worth.sort(key=lambda candidate: order[candidate.hypothesis.told_by])
-
-    def holds(candidate: Candidate) -> bool:
-        return holds_for_whole(base, candidate, recordings)
-
-    verdicts = judge_all(bench, worth, tried, rule, setting.noise, holds)
+    verdicts = judge_all(bench, worth, tried, rule, setting.noise, setting.holds)
     return _Look(verdicts, rejected)
 
 
@@ -211,11 +216,11 @@ class _Look:
     verdicts: Verdicts
     rejected: tuple[Rejected, ...]
 
-    def with_another(self, other: "_Look") -> "_Look":
-        """Return both looks, with what the other has chosen."""
-        both = (*self.verdicts.judged, *other.verdicts.judged)
-        verdicts = replace(other.verdicts, judged=both)
-        return _Look(verdicts, (*self.rejected, *other.rejected))
+    @property
+    def has_named(self) -> bool:
+        """Whether a law with a name was chosen."""
+        chosen = self.verdicts.chosen
+        return chosen is not None and chosen.physics != CURVE
 
 
 def promising(promised: Sequence[Promised], options: Options) -> list[Promised]:

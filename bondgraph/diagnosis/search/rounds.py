@@ -20,7 +20,7 @@ from bondgraph.diagnosis.search.between_samples import (
     simulated_as,
 )
 from bondgraph.diagnosis.search.beyond_noise import left_beside, within
-from bondgraph.diagnosis.search.candidates import Candidate
+from bondgraph.diagnosis.search.candidates import CURVE, Candidate
 from bondgraph.diagnosis.search.exchange import Exchanged, Reached, exchanged
 from bondgraph.diagnosis.search.one_round import (
     Round,
@@ -30,7 +30,7 @@ from bondgraph.diagnosis.search.one_round import (
 )
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.removal import Pruned, fitted_with, pruned, swallowed
-from bondgraph.diagnosis.search.together import two_rounds
+from bondgraph.diagnosis.search.together import explained, two_rounds
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import Hypothesis
@@ -38,6 +38,14 @@ from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.parameters import Parameter
 
 Array = NDArray[np.float64]
+Made = tuple[tuple[Round, ...], FittedModel, tuple[Hypothesis, ...]]
+"""Rounds as they are made, the model after them, and what that has."""
+
+NAMES_TWO = 0.8
+"""Two laws with names leave less than this share of what a curve leaves, to be told in
+its place: two wrong ones come near to any curve.
+"""
+
 ENDED_EARLY = 0.9
 """A fit that leaves less than this share of the cost shows that another ended early."""
 
@@ -82,9 +90,8 @@ def search(
         shop.progress(f"round {number}: trying without what was added before")
         reached = Reached(base, current, added, noise)
         found, fitted, added = _made(reached, found, authored, options.rule)
-        made: tuple[Round, ...] = (found,)
-        if found.chosen is None:
-            made, fitted, added = _two_made(setting, reached, found, authored, shop)
+        one: Made = ((found,), fitted, added)
+        made, fitted, added = _or_two(setting, reached, one, authored, shop)
         if not made:
             short = found.cut_short or shop.limit.undone > done
             return [*rounds, replace(found, cut_short=short)]
@@ -134,13 +141,30 @@ def _made(
     return _in_place(found, instead), instead.fitted, instead.kept
 
 
+def _or_two(
+    setting: Setting,
+    reached: Reached,
+    one: Made,
+    authored: Mapping[str, Parameter],
+    shop: Workshop,
+) -> Made:
+    """Return what was made of a round, or two laws where it found none with a name."""
+    ((found,), _, _) = one
+    if found.chosen is not None and found.chosen.physics != CURVE:
+        return one
+    two = _two_made(setting, reached, found, authored, shop)
+    left, left_by_two = 1.0 - explained(one[0]), 1.0 - explained(two[0])
+    instead = found.chosen is None or left_by_two < NAMES_TWO * left
+    return two if instead else one
+
+
 def _two_made(
     setting: Setting,
     reached: Reached,
     found: Round,
     authored: Mapping[str, Parameter],
     shop: Workshop,
-) -> tuple[tuple[Round, ...], FittedModel, tuple[Hypothesis, ...]]:
+) -> Made:
     """Return the same where two laws are added at once; no rounds where none are."""
     two, rule = two_rounds(setting, found, shop), setting.options.rule
     if two:

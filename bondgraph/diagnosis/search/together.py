@@ -1,10 +1,13 @@
 """Two together: a pair of laws is added, where none alone is supported.
 
+Or where only a curve without a name is: two named laws that explain more tell more.
+
 What is accepted goes on record as two rounds, so that each law is told with what may
 stand in its place beside the other. Each takes away half of what both do: neither does
 anything sure alone.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -34,7 +37,7 @@ def two_rounds(setting: Setting, found: Round, shop: Workshop) -> tuple[Round, .
     Parameters
     ----------
     found
-        The round that found nothing: what it tried is paired.
+        The round that found nothing with a name: what it tried is paired.
     """
     base, rule = setting.base, setting.options.rule
     if not setting.curves or found.cut_short or shop.limit.passed:
@@ -64,6 +67,12 @@ def two_rounds(setting: Setting, found: Round, shop: Workshop) -> tuple[Round, .
     then = Round(chosen.pair.first.fitted, found.tried)
     second = _round(then, chosen, chosen.pair.second, supported, seen, rule)
     return first, second
+
+
+def explained(made: Sequence[Round]) -> float:
+    """Return the share of the left-out error that rounds take away in turn."""
+    left = (1.0 - one.chosen.gain.value for one in made if one.chosen is not None)
+    return 1.0 - math.prod(left)
 
 
 def _worth(setting: Setting, pairing: Pairing) -> list[Pair]:

@@ -1,0 +1,108 @@
+"""Where a look begins: the base model fitted, and fitted otherwise for further looks.
+
+Fitted to whole recordings, what is slow shows. And a parameter that has run away takes
+with it what would have shown the way: a store from which a path is missing ends as
+large as it may be, and from there nothing promises anything. So it is held, weakly, to
+what is stated of it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.diagnosis.search.between_samples import finely_stepped, fitted_either_way
+from bondgraph.diagnosis.search.horizons import sharpened
+from bondgraph.diagnosis.search.options import Options
+from bondgraph.errors import FitError
+from bondgraph.fitting.estimate import FitSettings, FittedModel, fit_model
+from bondgraph.fitting.horizon import Automatic, WholeRecordings
+from bondgraph.recordings.binding import BoundRecording
+from bondgraph.structure.graph import FinishedGraph
+
+Array = NDArray[np.float64]
+RUNAWAY = 10.0
+"""A value so many times larger or smaller than is stated has run away."""
+
+
+def base_fit(
+    graph: FinishedGraph,
+    recordings: Sequence[BoundRecording],
+    settings: FitSettings,
+    noise: Array,
+    options: Options,
+) -> FittedModel:
+    """Return the model without additions fitted to recordings, finely stepped.
+
+    Raises
+    ------
+    FitError
+        If it cannot be simulated at all.
+    """
+    fit = fitted_either_way if options.either_hold else fit_model
+    base = fit(graph, recordings, settings)
+    if not np.isfinite(base.optimum.cost):
+        raise FitError(
+            f"{graph.name!r} cannot be simulated at its start values.",
+            (graph.name,),
+            "Give start values nearer to the machine, or bounds that keep it finite.",
+        )
+    return finely_stepped(base, noise)
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """The model as its author knows it, and what further looks may begin from."""
+
+    graph: FinishedGraph
+    recordings: Sequence[BoundRecording]
+    noise: Array
+    options: Options
+
+    def fitted_whole(self, base: FittedModel) -> FittedModel:
+        """Return the base model fitted to whole recordings, as far as it can be."""
+        if base.problem.shots.n_windows <= len(self.recordings):
+            return base
+        return self._fitted(self.graph) or base
+
+    def over_whole(
+        self, base: FittedModel, long: FittedModel
+    ) -> tuple[FittedModel, ...]:
+        """Return the fit to whole recordings, where automatic windows were cut."""
+        automatic = isinstance(self.options.settings.horizon, Automatic)
+        return (long,) if automatic and long is not base else ()
+
+    def as_stated(self, long: FittedModel) -> tuple[FittedModel, ...]:
+        """Return the fit with what has run away held to its stated value, weakly."""
+        runaway = [
+            replace(parameter, std=abs(parameter.value))
+            for name in long.problem.free_names
+            if (parameter := self.graph.parameters[name]).value and not parameter.std
+            if not 1 / RUNAWAY < long.values[name] / parameter.value < RUNAWAY
+        ]
+        if not runaway:
+            return ()
+        held = self._fitted(self.graph.with_parameters(runaway))
+        return () if held is None else (held,)
+
+    def released(self, seen: Look) -> Look:
+        """Return the look with a final model that holds no more than is stated."""
+        final = seen.final
+        stated = [
+            replace(one, std=self.graph.parameters[one.name].std)
+            for one in final.graph.with_parameters(final.values).parameters.members
+            if one.name in self.graph.parameters
+        ]
+        graph = final.graph.with_parameters(stated)
+        if graph.parameters == final.graph.with_parameters(final.values).parameters:
+            return seen
+        free = replace(final, graph=graph)
+        return replace(seen, final=sharpened(free, self.recordings, self.options))
+
+    def _fitted(self, graph: FinishedGraph) -> FittedModel | None:
+        settings = replace(self.options.settings, horizon=WholeRecordings())
+        try:
+            return base_fit(graph, self.recordings, settings, self.noise, self.options)
+        except FitError:
+            return None

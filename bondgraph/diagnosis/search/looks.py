@@ -1,0 +1,117 @@
+"""A look at recordings from one fit; and further ones where the first was blind.
+
+Over short windows, each with a state of its own, the small and quick stands out, and
+what shows only in the long run is taken by the states: dry friction beside a spring.
+And a parameter that has run away takes with it what would have shown the way. Where
+the model that a look has come to simulates whole recordings hardly better than the base
+model does that was fitted to them, another is taken: over whole recordings, and with
+what has run away held to its stated value. It has to end clearly better there.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.diagnosis.answer.showing import simulate_whole
+from bondgraph.diagnosis.search.beginnings import Known
+from bondgraph.diagnosis.search.beyond_noise import within
+from bondgraph.diagnosis.search.horizons import sharpened
+from bondgraph.diagnosis.search.one_round import Round, accepted
+from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.plainer import without_needless_parts
+from bondgraph.diagnosis.search.rounds import search
+from bondgraph.diagnosis.work.workers import Workshop
+from bondgraph.fitting.automatic import grows
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.fitting.horizon import WholeRecordings
+from bondgraph.recordings.binding import BoundRecording
+from bondgraph.structure.graph import FinishedGraph
+
+Array = NDArray[np.float64]
+CLEARLY = 0.9
+"""An error of whole recordings below this share of another's is clearly smaller."""
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What a search over one horizon has found, and the model that it ended with."""
+
+    rounds: list[Round]
+    final: FittedModel
+
+    def error(self, recordings: Sequence[BoundRecording]) -> float:
+        """Return how far whole recordings are from being simulated, over the spread."""
+        return _whole_error(self.final, recordings)
+
+
+def look(
+    base: FittedModel,
+    recordings: Sequence[BoundRecording],
+    noise: Array,
+    options: Options,
+    shop: Workshop,
+) -> Look:
+    """Return what a search finds from a fitted model, and the model refitted at last.
+
+    Parameters
+    ----------
+    noise
+        Residual per output that noise excuses, 0 where it is not known.
+    """
+    rounds = search(base, recordings, noise, options, shop)
+    if rounds[-1].base is base:
+        return Look(rounds, base)
+    shop.progress("refitting the improved model")
+    final = sharpened(rounds[-1].base, recordings, options)
+    return Look(*without_needless_parts(rounds, final, recordings, options))
+
+
+def second_look(
+    graph: FinishedGraph,
+    first: Look,
+    recordings: Sequence[BoundRecording],
+    noise: Array,
+    options: Options,
+    shop: Workshop,
+) -> Look:
+    """Return the best of further looks where the first one was blind, or the first.
+
+    A plant on which the least disturbance goes on growing says nothing in the long run.
+    """
+    base = first.rounds[0].base
+    if within(base, noise, options.rule) or shop.limit.passed:
+        return first
+    settings = replace(options.settings, horizon=WholeRecordings())
+    there = graph.with_parameters(base.values)
+    if grows(there, base.problem.model, recordings, settings):
+        return first
+    known = Known(graph, recordings, noise, _halved(options))
+    long = known.fitted_whole(base)
+    least = _whole_error(long, recordings)
+    best, reached = first, min(first.error(recordings), least)
+    if reached < CLEARLY * least:
+        return first
+    for other in (*known.over_whole(base, long), *known.as_stated(long)):
+        if shop.limit.passed:
+            break
+        shop.progress("another look, over whole recordings")
+        seen = known.released(look(other, recordings, noise, known.options, shop))
+        error = seen.error(recordings)
+        if accepted(seen.rounds) and error < CLEARLY * reached:
+            best, reached = seen, error
+    return best
+
+
+def _halved(options: Options) -> Options:
+    """Return the options at half the level: a second look is a second chance."""
+    level = options.rule.false_alarm_probability / 2.0
+    return replace(options, rule=replace(options.rule, false_alarm_probability=level))
+
+
+def _whole_error(fitted: FittedModel, recordings: Sequence[BoundRecording]) -> float:
+    """Return the error of whole recordings over their spread; inf where none ends."""
+    simulated = simulate_whole(fitted, recordings)
+    error = simulated.score.nrmse
+    return error if simulated.whole and np.isfinite(error) else np.inf

@@ -1,0 +1,110 @@
+"""Further looks: where the first was blind, and nowhere else."""
+
+import numpy as np
+import pytest
+import sympy
+
+from bondgraph import BondGraph, C, R, Recording, Se, Sf, bind_to, effort
+from bondgraph.diagnosis.diagnose import Options, diagnose
+from bondgraph.diagnosis.records import Verdict
+from bondgraph.diagnosis.search.beginnings import Known
+from bondgraph.fitting.estimate import FitSettings, fit_model
+from bondgraph.physics.library import LIBRARY
+from bondgraph.simulation.solvers import Hold
+
+STEP, COUNT, NOISE = 4.0, 400, 0.05
+CAPACITY, LOSS, LEAK, ROOM = 180.0, 0.9, 0.4, 294.0
+
+
+def two_blocks(*, joined=False):
+    """Two blocks that each lose heat to a room, with or without a path between them."""
+    g = BondGraph("two blocks", domain="thermal")
+    g.zero("block1", Sf("heater"), C("capacity1"))
+    g.zero("block2", C("capacity2"))
+    g.zero("room", Se("air", value=sympy.Symbol("room_temperature")))
+    for n in "12":
+        g.one(f"surface{n}", R(f"loss{n}"))
+        g.join(f"block{n}", f"surface{n}")
+        g.join(f"surface{n}", "room")
+        g.measure(f"T{n}", effort(f"block{n}"))
+        g.parameter(f"capacity{n}", 200.0, "J/K", bounds=(1.0, 1e5))
+        g.parameter(f"loss{n}", 0.8, "K/W", bounds=(0.0, 100.0))
+    if joined:
+        g.one("between", R("path"))
+        g.join("block1", "between")
+        g.join("between", "block2")
+        g.parameter("path", 2.0, "K/W", bounds=(0.0, 100.0))
+    g.parameter("room_temperature", ROOM, "K", std=0.0)
+    return g.finish()
+
+
+def heated(model):
+    """Return both temperatures of joined blocks, stepped finely by hand."""
+    random = np.random.default_rng(8)
+    heat = np.repeat(random.uniform(0.0, 40.0, COUNT // 40), 40)
+    warm, told = np.zeros(2), np.zeros((COUNT, 2))
+    for k, heater in enumerate(heat):
+        told[k] = warm
+        for _ in range(40):
+            passes = LEAK * (warm[0] - warm[1])
+            flow = np.array([heater - passes, passes]) - warm / LOSS
+            warm = warm + STEP / 40 * flow / CAPACITY
+    told += ROOM + NOISE * random.standard_normal(told.shape)
+    channels = {"heater": (heat, "W"), "T1": (told[:, 0], "K"), "T2": (told[:, 1], "K")}
+    time = STEP * np.arange(COUNT)
+    return bind_to(model, Recording.from_arrays("blocks", time, channels))
+
+
+HELD = FitSettings(hold=Hold.ZERO)
+WORDS = ("leak", "lag", "constant_bias", "sensor_scale")
+
+
+def found(model):
+    run = heated(model)
+    library = tuple(physics for physics in LIBRARY if physics.word in WORDS)
+    said = []
+    options = Options(settings=HELD, library=library)
+    diagnosis = diagnose(
+        model, [run], held_out=[run], options=options, progress=said.append
+    )
+    return diagnosis, sum("another look" in sentence for sentence in said)
+
+
+def test_a_path_into_a_store_that_has_run_away_is_found_from_what_is_stated():
+    # Without a path to it the second block fits best as one that never gets warm.
+    diagnosis, looks = found(two_blocks())
+    (leak,) = diagnosis.findings
+    assert looks == 1
+    assert diagnosis.verdict is Verdict.PHYSICS_MISSING
+    assert (leak.physics, {leak.place, *leak.indistinguishable_places}) == (
+        "leak",
+        {"block1", "block2"},
+    )
+    (size,) = leak.estimates
+    assert size.value == pytest.approx(LEAK, abs=3 * size.std)
+    assert diagnosis.train.after.nrmse < 0.1 * diagnosis.train.before.nrmse
+    after = {one.name: one for one in diagnosis.fit_after.estimates}
+    assert after["capacity2"].value == pytest.approx(CAPACITY, rel=0.1)
+
+
+def test_the_first_look_alone_cannot_tell(monkeypatch):
+    monkeypatch.setattr(Known, "as_stated", lambda known, long: ())
+    diagnosis, _ = found(two_blocks())
+    assert diagnosis.verdict is Verdict.CANNOT_TELL
+    assert not diagnosis.findings
+
+
+def test_what_ran_away_is_held_weakly_to_what_is_stated():
+    run = heated(two_blocks())
+    base = fit_model(two_blocks(), [run], HELD)
+    known = Known(two_blocks(), [run], np.zeros(2), Options(settings=HELD))
+    (held,) = known.as_stated(base)
+    weakly = {one.name: one.std for one in held.graph.parameters.members if one.std}
+    assert weakly == {"capacity2": 200.0, "loss2": 0.8}
+    assert held.values["capacity2"] < 0.1 * base.values["capacity2"]
+
+
+def test_where_nothing_is_missing_one_look_is_enough():
+    diagnosis, looks = found(two_blocks(joined=True))
+    assert looks == 0
+    assert diagnosis.verdict is Verdict.ADEQUATE
