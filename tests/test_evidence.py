@@ -37,7 +37,7 @@ from bondgraph.diagnosis.evidence.gain import (
     beside_earlier,
     compare,
 )
-from bondgraph.diagnosis.evidence.judging import Verdicts, decide, decide_anew
+from bondgraph.diagnosis.evidence.judging import decide
 from bondgraph.diagnosis.evidence.left_out import (
     FOLDS,
     LeftOutErrors,
@@ -316,22 +316,6 @@ def test_a_named_law_that_gives_most_of_a_curve_needs_not_be_the_best_of_all_tri
     most, little = hardly(0.2, physics="drag"), hardly(0.4, physics="drag")
     assert with_plainer([curve, most], RULE)[1].support is Support.SUPPORTED
     assert with_plainer([curve, little], RULE)[1].support is Support.UNDECIDED
-
-
-def test_two_lists_of_candidates_are_decided_together_where_chunks_are_the_same():
-    curve = judged(0.1, physics=CURVE, complexity=8)
-    named = hardly(0.15, physics="added_compliance")
-    first = decide([curve], BASE, RULE, lambda _: True)
-    then = decide([named], BASE, RULE, lambda _: True)
-    assert first.chosen is curve
-    assert then.chosen is None
-    both = decide_anew(first, then, RULE, lambda _: True)
-    assert both.chosen.physics == "added_compliance"
-    other = replace(then, before=LeftOutErrors(BASE.chunks[:6]))
-    apart = decide_anew(first, other, RULE, lambda _: True)
-    assert apart.chosen is curve
-    assert len(apart.judged) == 2
-    assert decide_anew(Verdicts(), then, RULE, lambda _: True) is then
 
 
 def test_what_loses_whole_recordings_is_refuted_and_the_next_is_told():

@@ -130,13 +130,17 @@ def test_what_follows_the_machine_is_not_nothing_however_near_the_noise(share, v
     assert reliable == (verdict is Verdict.CANNOT_TELL)
 
 
+def _errors(before, after):
+    return SimpleNamespace(
+        before=SimpleNamespace(nrmse=before), after=SimpleNamespace(nrmse=after)
+    )
+
+
 @pytest.mark.parametrize(
     ("after", "left"), [(0.7, 0.0), (0.95, 0.95**2), (1.0, 1.0), (3.0, 1.0)]
 )
 def test_what_whole_training_recordings_keep_is_left(after, left):
-    trained = SimpleNamespace(
-        before=SimpleNamespace(nrmse=1.0), after=SimpleNamespace(nrmse=after)
-    )
+    trained = _errors(1.0, after)
     assert left_of_whole(trained) == pytest.approx(left)
 
 
@@ -149,20 +153,40 @@ def test_what_whole_training_recordings_keep_is_left(after, left):
     ],
 )
 def test_what_makes_held_out_data_worse_is_not_the_cause(after, verdict, told):
-    shown = SimpleNamespace(
-        before=SimpleNamespace(nrmse=0.2), after=SimpleNamespace(nrmse=after)
+    shown = _errors(0.2, after)
+    trained = _errors(0.2, 0.18)
+    answer, statement = worse_held_out(
+        Verdict.PHYSICS_MISSING, "Friction.", shown, trained
     )
-    answer, statement = worse_held_out(Verdict.PHYSICS_MISSING, "Friction.", shown)
     assert answer is verdict
     assert ("does not carry over" in statement) == told
 
 
+@pytest.mark.parametrize(
+    ("held_out", "trained", "idle"),
+    [
+        (_errors(0.30, 0.299), _errors(0.1, 0.01), True),
+        (_errors(0.30, 0.20), _errors(0.1, 0.01), False),
+        (_errors(0.30, 0.299), _errors(0.1, 0.08), False),
+        (_errors(0.02, 0.0199), _errors(0.1, 0.01), False),
+    ],
+)
+def test_what_mends_only_what_it_was_fitted_to_is_not_the_cause(
+    held_out, trained, idle
+):
+    # Held-out data that have no more than noise to explain say nothing against it.
+    answer, statement = worse_held_out(
+        Verdict.PHYSICS_MISSING, "A store.", held_out, trained
+    )
+    assert (answer is Verdict.UNEXPLAINED) == idle
+    assert ("no better" in statement) == idle
+
+
 def test_a_curve_that_makes_held_out_data_worse_says_so_too():
     # It is no cause anyway, but its place would be believed.
-    shown = SimpleNamespace(
-        before=SimpleNamespace(nrmse=0.2), after=SimpleNamespace(nrmse=0.22)
-    )
-    answer, statement = worse_held_out(Verdict.UNEXPLAINED, "A curve.", shown)
+    shown = _errors(0.2, 0.22)
+    trained = _errors(0.2, 0.18)
+    answer, statement = worse_held_out(Verdict.UNEXPLAINED, "A curve.", shown, trained)
     assert answer is Verdict.UNEXPLAINED
     assert "does not carry over" in statement
 
@@ -179,9 +203,11 @@ def test_what_remains_beside_findings_counts_against_each(left, believed):
 def test_a_law_without_a_known_number_is_believed_half():
     known, hollow = _found((2.0, 0.1), (0.3, None)), _found((2.0, 30.0), (0.3, None))
     curve = replace(hollow, physics=CURVE)
-    told = [replace(one, probability=0.8) for one in (known, hollow, curve)]
+    order = (known, curve, hollow, known)
+    told = [replace(one, probability=0.8) for one in order]
     stated = [one.probability for one in doubted(told, 0.0)]
-    assert stated == pytest.approx([0.8, 0.4, 0.8])
+    # What is found after it is built on it.
+    assert stated == pytest.approx([0.8, 0.8, 0.4, 0.4])
 
 
 def test_a_law_that_was_found_is_not_told_as_left_aside_in_another_form():

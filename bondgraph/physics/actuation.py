@@ -47,8 +47,8 @@ class Saturation(AbstractPhysics):
     signature = "large commands do no more than smaller ones"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for every input, the same limit on both sides."""
-        if not isinstance(place, InputPlace):
+        """Yield it for every input that changes, the same limit on both sides."""
+        if not isinstance(place, InputPlace) or place.is_constant:
             return
         peak = place.peak
         limits = tuple(share * peak for share in (0.95, 0.8, 0.65, 0.5, 0.35))
@@ -69,8 +69,8 @@ class DeadZone(AbstractPhysics):
     signature = "small commands do nothing; taken for Coulomb friction"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for every input, as wide on both sides."""
-        if not isinstance(place, InputPlace):
+        """Yield it for every input that changes, as wide on both sides."""
+        if not isinstance(place, InputPlace) or place.is_constant:
             return
         widths = tuple(share * place.peak for share in (0.0, 0.05, 0.15, 0.4))
         half = place.strength("dead_zone", place.channel_unit, widths, low=0.0)

@@ -26,8 +26,8 @@ class Lag(AbstractPhysics):
     signature = "a corner rounded off, phase without resonance; taken for a delay"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for every input and output."""
-        if not isinstance(place, ChannelPlace):
+        """Yield it for every input that changes, and every output."""
+        if not isinstance(place, ChannelPlace) or place.is_constant:
             return
         tau = place.shape("lag", "s", _times(place), low=0.02 * place.scales.step)
         state = lagging(place.name_of("lagged"), place.signal, tau.symbol)
@@ -46,8 +46,8 @@ class Delay(AbstractPhysics):
     signature = "the same shape later, phase that falls with frequency; taken for a lag"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for every input and output."""
-        if not isinstance(place, ChannelPlace):
+        """Yield it for every input that changes, and every output."""
+        if not isinstance(place, ChannelPlace) or place.is_constant:
             return
         low = 0.05 * place.scales.step
         time = place.shape("delay", "s", _times(place), low=low)

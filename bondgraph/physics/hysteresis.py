@@ -2,7 +2,8 @@
 
 The memory z lies between -1 and 1. It follows the flow until it saturates, over a
 distance w, the presliding: z' = (f - |f| z) / w. The effort is s z. It stores s w z²/2
-and takes out s |f| z² >= 0, so it only ever loses power.
+and takes out s |f| z² >= 0, so it only ever loses power. Motion that goes one way only
+shows no memory: there it is Coulomb friction, or a late start.
 """
 
 from collections.abc import Iterator
@@ -36,8 +37,10 @@ class DahlHysteresis(AbstractPhysics):
     domains = MECHANICAL
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it at every 1-junction."""
+        """Yield it at every 1-junction whose motion reverses."""
         if not isinstance(place, OneJunctionPlace) or not self.suits(place):
+            return
+        if not place.reverses:
             return
         name = place.name_of("memory")
         z, rate = displacement(name), flow(place.name)
@@ -71,8 +74,10 @@ class BoucWenHysteresis(DahlHysteresis):
     signature = "loops that are stiff on return; its parameters are hard to tell apart"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it at every 1-junction."""
+        """Yield it at every 1-junction whose motion reverses."""
         if not isinstance(place, OneJunctionPlace) or not self.suits(place):
+            return
+        if not place.reverses:
             return
         name = place.name_of("memory")
         z, rate = displacement(name), flow(place.name)

@@ -33,6 +33,7 @@ def concluded(
     wrong: Sequence[Finding],
     left: float,
     shown: Comparison,
+    trained: Comparison,
     recordings: Sequence[BoundRecording],
     options: Options,
 ) -> tuple[Verdict, str]:
@@ -44,8 +45,8 @@ def concluded(
         Laws that were found, and stated values that the fit has left.
     left
         The share of the error that the findings leave beyond noise.
-    shown
-        Whole simulations of the held-out recordings, before and after.
+    shown, trained
+        Whole simulations of held-out and of training recordings, before and after.
     """
     base, made, floor = rounds[0].base, accepted(rounds), noise_floor(recordings)
     checked = _checked(base, recordings, made)
@@ -53,7 +54,7 @@ def concluded(
     statement = with_undecided(verdict, statement, rounds[-1], options.rule)
     if not np.isfinite(shown.after.nrmse) and np.isfinite(shown.before.nrmse):
         verdict, statement = not_simulated(verdict, statement)
-    verdict, statement = worse_held_out(verdict, statement, shown)
+    verdict, statement = worse_held_out(verdict, statement, shown, trained)
     verdict, statement = without_size(verdict, statement, findings)
     verdict, statement = cut_short(verdict, statement, rounds)
     if verdict is Verdict.ADEQUATE:

@@ -212,17 +212,15 @@ def doubted(findings: Sequence[Finding], left: float) -> list[Finding]:
         The share of the error that the findings leave beyond noise.
     """
     believed = 1.0 if left < MUCH_REMAINING else 1.0 - min(left, 1.0)
-    return [
-        finding
-        if finding.probability is None
-        else replace(
-            finding,
-            probability=finding.probability
-            * believed
-            * (HOLLOW if is_hollow(finding) else 1.0),
+    told = []
+    for finding in findings:
+        if is_hollow(finding):
+            believed *= HOLLOW  # What is found later is built on it.
+        sure = finding.probability
+        told.append(
+            replace(finding, probability=None if sure is None else believed * sure)
         )
-        for finding in findings
-    ]
+    return told
 
 
 def is_hollow(finding: Finding) -> bool:

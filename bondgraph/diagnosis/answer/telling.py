@@ -55,7 +55,7 @@ def answer(
     findings = doubted(told, left)
     wrong = contradicted(graph, after.estimates)
     verdict, statement = concluded(
-        rounds, findings, wrong, left, shown, recordings, options
+        rounds, findings, wrong, left, shown, trained, recordings, options
     )
     close = left_close(rounds, others, verdict)
     experiment, undesigned = (

@@ -32,6 +32,9 @@ TRACE = 0.05
 MANY = 1000
 """Beyond it, how many times the noise says more of the noise than of the model."""
 
+HALVED, UNMOVED = 0.5, 0.95
+"""What halves the errors it was fitted to and leaves so much of held-out ones fits."""
+
 SPOILT = 1.2
 """Where held-out errors grow by more than this factor, what was found is not the cause,
 whatever the training recordings say.
@@ -188,19 +191,33 @@ def with_undecided(verdict: Verdict, statement: str, last: Round, rule: Rule) ->
 
 
 def worse_held_out(
-    verdict: Verdict, statement: str, held_out: Comparison
+    verdict: Verdict, statement: str, held_out: Comparison, trained: Comparison
 ) -> tuple[Verdict, str]:
-    """Return the verdict where the improved model predicts what was kept back worse."""
+    """Return the verdict where the improved model predicts what was kept back worse.
+
+    Or no better, where it halves the error of what it was fitted to, and held-out
+    recordings leave as much to explain.
+
+    Parameters
+    ----------
+    held_out, trained
+        Whole recordings, before and after.
+    """
     before, after = held_out.before.nrmse, held_out.after.nrmse
     told_something = verdict in (Verdict.PHYSICS_MISSING, Verdict.UNEXPLAINED)
-    if not told_something or not after > SAME * before:
+    worse = after > SAME * before
+    halves = trained.after.nrmse < HALVED * trained.before.nrmse
+    idle = halves and after > UNMOVED * before and before > trained.before.nrmse
+    if not told_something or not (worse or idle):
         return verdict, statement
+    became = f"({100 * before:.3g} % became {100 * after:.3g} %)"
     told = (
-        f"{statement} But on the held-out recordings the improved model is worse than "
-        f"the base model ({100 * before:.3g} % became {100 * after:.3g} %): what was "
+        f"{statement} But on the held-out recordings the improved model is "
+        f"{'worse' if worse else 'no better'} than the base model {became}: what was "
         "found holds where it was found and does not carry over."
     )
-    return (Verdict.UNEXPLAINED if after > SPOILT * before else verdict), told
+    spoilt = idle or after > SPOILT * before
+    return (Verdict.UNEXPLAINED if spoilt else verdict), told
 
 
 def without_size(

@@ -55,6 +55,7 @@ def judge_all(
     rule: Rule,
     noise: Array,
     holds: Callable[[Candidate], bool],
+    earlier: Verdicts,
 ) -> Verdicts:
     """Judge candidates on left-out data; twins share their errors.
 
@@ -67,12 +68,16 @@ def judge_all(
     holds
         Whether a candidate simulates whole recordings as well; asked of the leading
         ones only.
+    earlier
+        What was said of others already: all are decided together.
     """
     if not worth:
-        return Verdicts()
-    best = min(worth, key=lambda candidate: candidate.cost)
-    chunks = chunk_count(best.fitted)
-    before = left_out_errors(bench.base, chunks)
+        return earlier
+    before = earlier.before
+    if before is None:
+        best = min(worth, key=lambda candidate: candidate.cost)
+        before = left_out_errors(bench.base, chunk_count(best.fitted))
+    chunks = before.chunks.size
     first = [first_twin(i, worth) for i in range(len(worth))]
     kinds = sorted(set(first))
     seen = errors_of(bench, [worth[i] for i in kinds], chunks, noise)
@@ -81,7 +86,7 @@ def judge_all(
         judge(candidate, before, errors[i], tried, rule)
         for i, candidate in zip(first, worth, strict=True)
     ]
-    return decide(judged, before, rule, holds)
+    return decide([*earlier.judged, *judged], before, rule, holds)
 
 
 def errors_of(
@@ -127,24 +132,6 @@ def decide(
             chosen, support=Support.REFUTED, reason=LOST_FROM_THE_START
         )
     return Verdicts(tuple(left), before=before)
-
-
-def decide_anew(
-    one: Verdicts, other: Verdicts, rule: Rule, holds: Callable[[Candidate], bool]
-) -> Verdicts:
-    """Return what two lists of candidates amount to together.
-
-    Where their errors are not on the same chunks, what the better of the two says.
-    """
-    both = (*one.judged, *other.judged)
-    before, after = one.before, other.before
-    if before is None or after is None:
-        return other if before is None else one
-    if len(before.chunks) == len(after.chunks):
-        return decide(both, before, rule, holds)
-    chosen = [v.chosen for v in (one, other) if v.chosen is not None]
-    best = best_supported(chosen, rule)
-    return replace(one if best is one.chosen else other, judged=both)
 
 
 def first_twin(index: int, candidates: Sequence[Candidate]) -> int:

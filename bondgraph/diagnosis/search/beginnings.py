@@ -86,19 +86,18 @@ class Known:
         held = self._fitted(self.graph.with_parameters(runaway))
         return () if held is None else (held,)
 
-    def released(self, seen: Look) -> Look:
-        """Return the look with a final model that holds no more than is stated."""
-        final = seen.final
+    def released(self, final: FittedModel) -> FittedModel:
+        """Return the model fitted again, holding no more than is stated."""
+        there = final.graph.with_parameters(final.values)
         stated = [
             replace(one, std=self.graph.parameters[one.name].std)
-            for one in final.graph.with_parameters(final.values).parameters.members
+            for one in there.parameters.members
             if one.name in self.graph.parameters
         ]
-        graph = final.graph.with_parameters(stated)
-        if graph.parameters == final.graph.with_parameters(final.values).parameters:
-            return seen
-        free = replace(final, graph=graph)
-        return replace(seen, final=sharpened(free, self.recordings, self.options))
+        free = there.with_parameters(stated)
+        if free.parameters == there.parameters:
+            return final
+        return sharpened(replace(final, graph=free), self.recordings, self.options)
 
     def _fitted(self, graph: FinishedGraph) -> FittedModel | None:
         settings = replace(self.options.settings, horizon=WholeRecordings())

@@ -29,13 +29,22 @@ FITS_BETTER = 0.98
 OF_NOISE, OF_RESIDUAL = 0.3, 0.03
 """Of the noise and of what the model leaves: a step's error below these is fine."""
 
+STEPS = 0.2
+"""An input that changes in fewer samples than this share goes in steps."""
+
 ITERATIONS = 30
 
 
 def fitted_either_way(
     graph: FinishedGraph, recordings: Sequence[BoundRecording], settings: FitSettings
 ) -> FittedModel:
-    """Return the model fitted with inputs joined by lines or held, as fits better."""
+    """Return the model fitted with inputs joined by lines or held, as fits better.
+
+    Where both fit alike, held if they stay the same from most samples to the next: so
+    does a command that goes in steps.
+    """
+    if _in_steps(recordings):
+        settings = replace(settings, hold=Hold.ZERO)
     own = fit_model(graph, recordings, settings)
     if not own.problem.model.input_names or not own.problem.model.n_states:
         return own
@@ -43,6 +52,13 @@ def fitted_either_way(
     changed = replace(settings, hold=other)
     rival = fit_model(graph, recordings, changed, sigma=own.problem.sigma)
     return rival if rival.optimum.cost < FITS_BETTER * own.optimum.cost else own
+
+
+def _in_steps(recordings: Sequence[BoundRecording]) -> bool:
+    """Return whether all inputs stay the same from most samples to the next."""
+    changes = [np.diff(recording.inputs, axis=0) != 0.0 for recording in recordings]
+    changing = np.concatenate([one for one in changes if one.size] or [np.ones((1, 1))])
+    return bool((changing.mean(axis=0) < STEPS).all())
 
 
 def finely_stepped(fitted: FittedModel, noise: Array) -> FittedModel:

@@ -97,7 +97,8 @@ def second_look(
         if shop.limit.passed:
             break
         shop.progress("another look, over whole recordings")
-        seen = known.released(look(other, recordings, noise, known.options, shop))
+        seen = look(other, recordings, noise, known.options, shop)
+        seen = replace(seen, final=known.released(seen.final))
         error = seen.error(recordings)
         if accepted(seen.rounds) and error < CLEARLY * reached:
             best, reached = seen, error

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.evidence.decision import Judged
-from bondgraph.diagnosis.evidence.judging import Verdicts, decide_anew, judge_all
+from bondgraph.diagnosis.evidence.judging import Verdicts, judge_all
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.beyond_noise import explainable
 from bondgraph.diagnosis.search.candidates import (
@@ -143,20 +143,15 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
     leading = promising(screened.promised, options)
     order = {one.told_by: i for i, one in enumerate(hypotheses)}
     fitted = fit_best(bench, leading, HOPELESS, options.judged)
-    look = _judged(setting, bench, fitted, order, screened.independent)
-    if (
-        setting.is_first
-        and not look.has_named
-        and explainable(base, setting.noise) > MUCH
-    ):
+    seen = _judged(setting, bench, fitted, order, screened.independent)
+    nothing = setting.is_first and not seen.has_named
+    if nothing and explainable(base, setting.noise) > MUCH:
         first = {id(one.hypothesis) for one in leading}
         others = [one for one in screened.promised if id(one.hypothesis) not in first]
         fitted = fit_remembering(bench, others, HOPELESS, options.judged)
         tried = screened.independent + len(others)
-        other = _judged(setting, bench, fitted, order, tried)
-        both = decide_anew(look.verdicts, other.verdicts, options.rule, setting.holds)
-        look = _Look(both, (*look.rejected, *other.rejected))
-    verdicts, first_choice = look.verdicts, look.verdicts.chosen
+        seen = _judged(setting, bench, fitted, order, tried, seen)
+    verdicts, first_choice = seen.verdicts, seen.verdicts.chosen
     chosen = None if first_choice is None else as_fine_as_told(bench, first_choice)
     kept = [chosen if j is first_choice and chosen else j for j in verdicts.judged]
     return Round(
@@ -165,7 +160,7 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
         screened.independent,
         tuple(kept),
         screened.promised,
-        (*screened.rejected, *look.rejected),
+        (*screened.rejected, *seen.rejected),
         chosen,
         verdicts.probability,
         cut_short=shop.limit.undone > done,
@@ -195,22 +190,27 @@ def _judged(
     fitted: Sequence[Candidate],
     order: Mapping[tuple[str, ...], int],
     tried: float,
-) -> "_Look":
+    earlier: "_Seen | None" = None,
+) -> "_Seen":
     """Judge what is material, there, determined, and remembers where it must.
 
-    In the order of proposal: of twins the first is told.
+    In the order of proposal: of twins the first is told. What was seen earlier in the
+    round is decided anew with it.
     """
     base, recordings, rule = setting.base, setting.recordings, setting.options.rule
     least = rule.materiality / 2
     material = [c for c in fitted if c.reduction(base) >= least]
     worth, rejected = worth_judging(base, material, recordings)
     worth.sort(key=lambda candidate: order[candidate.hypothesis.told_by])
-    verdicts = judge_all(bench, worth, tried, rule, setting.noise, setting.holds)
-    return _Look(verdicts, rejected)
+    seen = _Seen(Verdicts(), ()) if earlier is None else earlier
+    verdicts = judge_all(
+        bench, worth, tried, rule, setting.noise, setting.holds, seen.verdicts
+    )
+    return _Seen(verdicts, (*seen.rejected, *rejected))
 
 
 @dataclass(frozen=True, slots=True)
-class _Look:
+class _Seen:
     """What was judged of some hypotheses, and which were not worth it."""
 
     verdicts: Verdicts
@@ -224,6 +224,18 @@ class _Look:
 
 
 def promising(promised: Sequence[Promised], options: Options) -> list[Promised]:
-    """Return the hypotheses worth a fit, those that promise most first."""
+    """Return the hypotheses worth a fit, those that promise most first.
+
+    And what the best of them contain: a wider law may promise what the narrower one is,
+    backlash without a gap what a spring does.
+    """
     worth = options.rule.materiality / 4
-    return [one for one in promised if one.reduction >= worth][: options.fitted]
+    leading = [one for one in promised if one.reduction >= worth][: options.fitted]
+    wide = [one.hypothesis for one in leading[: options.judged]]
+    known = {id(one) for one in leading}
+    contained = (
+        one
+        for one in promised
+        if id(one) not in known and any(w.contains(one.hypothesis) for w in wide)
+    )
+    return [*leading, *contained]

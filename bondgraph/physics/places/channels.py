@@ -33,6 +33,11 @@ class ChannelPlace(Place):
         """Its least and largest value."""
 
     @property
+    def is_constant(self) -> bool:
+        """Whether it is known to hold one value: then nothing shows how it changes."""
+        return False
+
+    @property
     def peak(self) -> float:
         """The largest size."""
         return max(map(abs, self.range))
@@ -83,6 +88,11 @@ class InputPlace(ChannelPlace):
         """Its least and largest value."""
         default = self.scales.at(self.quantity, self.junction)
         return self.scales.range_of(self.signal.name, default)
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether the recordings hold it at one value."""
+        return self.scales.is_constant(self.signal.name)
 
     def become(
         self,

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from bondgraph.physics.places.base import Coefficient, P, Place, Q
+from bondgraph.physics.places.base import Coefficient, F, P, Place, Q
 from bondgraph.physics.places.displacements import known_displacement
 from bondgraph.physics.places.scales import Scales
 from bondgraph.structure.domains import EnergyDomain, Quantity
@@ -126,6 +126,11 @@ class OneJunctionPlace(JunctionPlace):
         if parts is None:
             return None
         return sympy.Add(*(sign * displacement(name) for name, sign in parts.items()))
+
+    @property
+    def reverses(self) -> bool:
+        """Whether its motion goes both ways, as far as is known."""
+        return self.scales.reverses(f"{F}({self.name})")
 
 
 @dataclass(frozen=True, slots=True)

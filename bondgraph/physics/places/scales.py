@@ -5,6 +5,9 @@ from dataclasses import dataclass, field
 
 from bondgraph.structure.domains import Quantity
 
+REVERSED = 0.02
+"""A signal that goes the other way by less than this share does not reverse."""
+
 
 @dataclass(frozen=True, slots=True)
 class Scales:
@@ -43,6 +46,16 @@ class Scales:
         size = self.of(name, default)
         low, high = self.ranges.get(name, (0.0, 0.0))
         return (low, high) if low < high else (-1.5 * size, 1.5 * size)
+
+    def is_constant(self, name: str) -> bool:
+        """Return whether the signal called `name` is known to hold one value."""
+        low, high = self.ranges.get(name, (0.0, 1.0))
+        return low == high
+
+    def reverses(self, name: str) -> bool:
+        """Return whether the signal called `name` goes both ways; also if unknown."""
+        low, high = self.ranges.get(name, (-1.0, 1.0))
+        return min(-low, high) > REVERSED * max(-low, high)
 
     @property
     def step(self) -> float:
