@@ -132,7 +132,8 @@ def test_what_follows_the_machine_is_not_nothing_however_near_the_noise(share, v
 
 def _errors(before, after):
     return SimpleNamespace(
-        before=SimpleNamespace(nrmse=before), after=SimpleNamespace(nrmse=after)
+        before=SimpleNamespace(nrmse=before, rmse={"x": before}),
+        after=SimpleNamespace(nrmse=after, rmse={"x": after}),
     )
 
 

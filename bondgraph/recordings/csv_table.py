@@ -3,6 +3,9 @@
 numpy parses the numbers. Only when it cannot is the text walked line by line, to name
 the line and the column of the first cell that is at fault, or to let empty cells
 through as gaps. Never more than a block of text is held, however long the file.
+
+Loggers write more than a header before the numbers: comments, behind the last of which
+the names may stand, and units in a line of their own.
 """
 
 import csv
@@ -26,6 +29,9 @@ MARKS = (
 )
 """What a file begins with that says how it is encoded."""
 
+COMMENTS = ("#", "%")
+"""What lines before the header may begin with."""
+
 LONGEST_CELL_SHOWN = 40
 
 BLOCK = 1 << 24
@@ -40,7 +46,7 @@ class Block(NamedTuple):
 
 
 class CsvTable(AbstractTable):
-    """A CSV file with one header line.
+    """A CSV file with a header line, maybe comments before it and units below it.
 
     Parameters
     ----------
@@ -69,7 +75,7 @@ class CsvTable(AbstractTable):
         self._encoding = _encoding(path, encoding)
         first, header = self._header_line()
         self._first_line = first + 1
-        self.headers = self._split_headers(header)
+        self.headers = self._with_units(self._split_headers(header))
 
     def columns(self, indices: Sequence[int]) -> list[FloatArray]:
         """Return the columns numbered `indices`; nan stands for an empty cell."""
@@ -91,15 +97,46 @@ class CsvTable(AbstractTable):
         return "its last line"
 
     def _header_line(self) -> tuple[int, str]:
-        """Return the first line with something in it, and its number."""
+        """Return the line that names the columns, and its number.
+
+        That is the first with something in it that is no comment, or the comment before
+        it where it is numbers already.
+        """
+        comment = 0, ""
         for number, line in self._decoded_lines():
-            if line.strip("\n"):
+            if not line.strip("\n"):
+                continue
+            if not line.startswith(COMMENTS):
+                named = comment[1].count(self._delimiter) == line.count(self._delimiter)
+                if comment[0] and named and self._is_all_numbers(line):
+                    return comment
                 return number, line.rstrip("\n")
+            comment = number, line.strip("\n").lstrip("".join(COMMENTS))
         raise RecordingError(
             f"{self.source!r} is empty.",
             (self.source,),
             "Its first line must name the columns, as 'time [s],theta [rad]'.",
         )
+
+    def _is_all_numbers(self, line: str) -> bool:
+        cells = line.strip().split(self._delimiter)
+        return all(_is_number(cell.strip(), self._decimal) for cell in cells)
+
+    def _with_units(self, names: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the names with the units of a line below them, if there is one.
+
+        No cell of it is empty or a number, and no name has a unit already.
+        """
+        block = next(self._text_blocks())
+        number, line = _filled(block)[0]
+        units = [cell.strip().strip("()[]") for cell in line.split(self._delimiter)]
+        words = not any(_is_number(unit, self._decimal) for unit in units)
+        bare = not any(name.endswith("]") for name in names)
+        if not (words and bare and all(units) and len(units) == len(names)):
+            return names
+        self._first_line = number + 1
+        self._refuse_no_samples()
+        return tuple(f"{n} [{unit}]" for n, unit in zip(names, units, strict=True))
 
     def _decoded_lines(self) -> Iterator[tuple[int, str]]:
         with self._path.open(encoding=self._encoding) as file:
@@ -155,20 +192,23 @@ class CsvTable(AbstractTable):
             ) from error
         if len(cells) == 1:
             self._refuse_other_delimiter(header)
-        if all(_is_number(cell.strip(), self._decimal) for cell in cells):
+        if self._is_all_numbers(header):
             raise RecordingError(
                 f"{self.source!r} has numbers where its header should be (line "
                 f"{self._first_line - 1}).",
                 (self.source,),
                 nameless,
             )
+        self._refuse_no_samples()
+        return tuple(cell.strip() for cell in cells)
+
+    def _refuse_no_samples(self) -> None:
         if next(self._text_blocks(), None) is None:
             raise RecordingError(
                 f"{self.source!r} has a header and no samples.",
                 (self.source,),
                 "Check that the recording was saved completely.",
             )
-        return tuple(cell.strip() for cell in cells)
 
     def _refuse_other_delimiter(self, header: str) -> None:
         for other in (";", "\t", ","):

@@ -230,7 +230,7 @@ def _checked_unit(
             f"Channel {name!r} of {table.source!r} has no unit.",
             (table.source, name),
             f"Write it as '{name} [unit]' ([1] if it has none), or give "
-            f'units={{"{name}": "..."}}.',
+            f'units={{"{name}": "UNIT"}}.',
         )
     # Other units are free words until a model asks for them (see `bind`).
     if name == choices.clock and not compatible(unit, "s"):

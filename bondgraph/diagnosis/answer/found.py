@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bondgraph.diagnosis.answer.showing import simulate_whole
-from bondgraph.diagnosis.answer.wording import finding_statement, name_of
+from bondgraph.diagnosis.answer.wording import finding_statement, hedged, name_of
 from bondgraph.diagnosis.evidence.confidence import beyond_resampling
 from bondgraph.diagnosis.evidence.decision import (
     Judged,
@@ -28,6 +28,9 @@ MUCH_REMAINING = 0.1
 
 ERRORS = 2.0
 """A number within so many standard errors of none is not told from it."""
+
+EVEN = 0.5
+"""What is less probable than not is told as what may be."""
 
 HOLLOW = 0.5
 """What is left of a probability where nothing tells a number. A judgement: of 45 named
@@ -216,11 +219,17 @@ def doubted(findings: Sequence[Finding], left: float) -> list[Finding]:
     for finding in findings:
         if is_hollow(finding):
             believed *= HOLLOW  # What is found later is built on it.
-        sure = finding.probability
-        told.append(
-            replace(finding, probability=None if sure is None else believed * sure)
-        )
+        told.append(_less_probable(finding, believed))
     return told
+
+
+def _less_probable(finding: Finding, share: float) -> Finding:
+    """Return a finding of which only that share of its probability is left."""
+    if finding.probability is None:
+        return finding
+    sure, said = share * finding.probability, finding.statement
+    said = hedged(said) if sure < EVEN else said
+    return replace(finding, probability=sure, statement=said)
 
 
 def is_hollow(finding: Finding) -> bool:

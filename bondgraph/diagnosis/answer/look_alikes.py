@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bondgraph.diagnosis.answer.untried import unread_inputs
 from bondgraph.diagnosis.answer.wording import listed
 from bondgraph.diagnosis.records import Finding
 from bondgraph.diagnosis.separability.records import SensorProposal, Separability
@@ -43,8 +44,14 @@ def look_alikes(
         for finding in findings
         if finding.place in told.places and len(told.class_of(finding.place)) > 1
     ]
-    if told.undetectable:
-        unseen = listed(told.undetectable, "and")
+    idle = {
+        name
+        for source in unread_inputs(base.graph)
+        for name in (source, base.graph.bonds_at(source)[0].other(source))
+    }
+    undetectable = [place for place in told.undetectable if place not in idle]
+    if undetectable:
+        unseen = listed(undetectable, "and")
         notes.append(
             f"No sensor would show what is missing at {unseen}: a "
             "free signal there disturbs nothing that these sensors check."

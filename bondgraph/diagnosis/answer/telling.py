@@ -16,6 +16,7 @@ from bondgraph.diagnosis.answer.notes import notes_on, provenance
 from bondgraph.diagnosis.answer.separating import designed, left_close
 from bondgraph.diagnosis.answer.showing import recovered_law, simulate_whole, traces
 from bondgraph.diagnosis.answer.stated import at_bounds, contradicted
+from bondgraph.diagnosis.answer.untried import untried
 from bondgraph.diagnosis.answer.wording import next_experiment
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.records import Comparison, Diagnosis
@@ -87,6 +88,7 @@ def answer(
             *at_bounds(graph, after.estimates),
             *undesigned,
             *look_alikes(findings, base, recordings),
+            *untried(graph, verdict),
             *notes_on(rounds, after, options),
         ),
         complete=not any(one.cut_short for one in rounds),

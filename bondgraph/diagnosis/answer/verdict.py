@@ -195,8 +195,8 @@ def worse_held_out(
 ) -> tuple[Verdict, str]:
     """Return the verdict where the improved model predicts what was kept back worse.
 
-    Or no better, where it halves the error of what it was fitted to, and held-out
-    recordings leave as much to explain.
+    Or no better, where it halves the error of what it was fitted to, and what was kept
+    back has more than that to explain.
 
     Parameters
     ----------
@@ -205,9 +205,7 @@ def worse_held_out(
     """
     before, after = held_out.before.nrmse, held_out.after.nrmse
     told_something = verdict in (Verdict.PHYSICS_MISSING, Verdict.UNEXPLAINED)
-    worse = after > SAME * before
-    halves = trained.after.nrmse < HALVED * trained.before.nrmse
-    idle = halves and after > UNMOVED * before and before > trained.before.nrmse
+    worse, idle = after > SAME * before, _is_idle(held_out, trained)
     if not told_something or not (worse or idle):
         return verdict, statement
     became = f"({100 * before:.3g} % became {100 * after:.3g} %)"
@@ -218,6 +216,15 @@ def worse_held_out(
     )
     spoilt = idle or after > SPOILT * before
     return (Verdict.UNEXPLAINED if spoilt else verdict), told
+
+
+def _is_idle(held_out: Comparison, trained: Comparison) -> bool:
+    """Return whether an addition explains what it was fitted to, and nothing else."""
+    if not trained.after.nrmse < HALVED * trained.before.nrmse:
+        return False
+    before, after = held_out.before.rmse, held_out.after.rmse
+    left = [name for name in before if HALVED * before[name] > trained.after.rmse[name]]
+    return bool(left) and all(after[name] > UNMOVED * before[name] for name in left)
 
 
 def without_size(

@@ -27,6 +27,9 @@ NAMES = {
     "unknown_relation": "a relation without a name",
 }
 
+SURE, UNSURE = "was left out", "may have been left out"
+"""What is said of a finding, and of one that is less probable than not."""
+
 WEAK = 0.25
 """An effect that explains less than this share of the error is called weak."""
 
@@ -82,7 +85,7 @@ def finding_statement(
         numbers = ""
     else:
         opening = (
-            f"{_capital(name_of(chosen.physics))} at {chosen.place} was left out: "
+            f"{_capital(name_of(chosen.physics))} at {chosen.place} {SURE}: "
             f"{hypothesis.words}"
         )
     text = f"{opening} ({numbers})." if numbers else f"{opening.rstrip('.')}."
@@ -98,6 +101,11 @@ def finding_statement(
             f" It is weak: it explains {100 * chosen.gain.value:.0f} % of the error."
         )
     return text
+
+
+def hedged(statement: str) -> str:
+    """Return a finding's statement as one of what is less probable than not."""
+    return statement.replace(f" {SURE}: ", f" {UNSURE}: ", 1)
 
 
 def _capital(text: str) -> str:
