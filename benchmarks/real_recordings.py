@@ -98,7 +98,9 @@ def run(name: str, words: Sequence[str], out: Path, workers: int) -> str:
     )
     took = time.perf_counter() - began
     (out / f"{name}.seconds").write_text(f"{took:.0f}\n")
-    return done.stderr.strip() if done.returncode else ""
+    if done.returncode:
+        return done.stderr.strip() or f"ended with status {done.returncode}"
+    return ""
 
 
 def row(name: str, answer: dict[str, Any], seconds: str) -> str:

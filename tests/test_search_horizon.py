@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 import sympy
 
-from bondgraph import BondGraph, C, I, R, Recording, Se, bind_to, q
+from bondgraph import BondGraph, C, I, R, Recording, Se, Sf, bind_to, effort, q
 from bondgraph.diagnosis.search.horizons import search_settings
-from bondgraph.fitting.estimate import FitSettings
+from bondgraph.fitting.automatic import grows
+from bondgraph.fitting.estimate import FitSettings, prepare
 from bondgraph.fitting.horizon import WholeRecordings, Windows
 
 SAMPLES = 4800
@@ -44,3 +45,26 @@ def test_an_unstable_machine_is_cut_into_windows_that_hold(stiffness, horizon):
     time = 5e-4 * np.arange(SAMPLES)
     recording = bind_to(graph, Recording.from_arrays("run", time, channels))
     assert search_settings(graph, [recording], FitSettings()).horizon == horizon
+
+
+def test_what_has_no_state_has_nothing_that_grows():
+    g = BondGraph("damper", domain="translation")
+    g.one("rod", Sf("speed"), R("loss"))
+    g.measure("force", effort("loss"))
+    g.parameter("loss", 20.0, "N*s/m", bounds=(0, 1000))
+    graph = g.finish()
+    speed = np.random.default_rng(1).standard_normal(SAMPLES)
+    channels = {"speed": (speed, "m/s"), "force": (20.0 * speed, "N")}
+    time = 1e-3 * np.arange(SAMPLES)
+    recording = bind_to(graph, Recording.from_arrays("run", time, channels))
+    assert not grows(graph, prepare(graph), [recording], FitSettings())
+
+
+@pytest.mark.parametrize(("stiffness", "runs_away"), [(-5e5, True), (5e5, False)])
+def test_an_effect_that_goes_on_growing_is_seen(stiffness, runs_away):
+    graph = collar(stiffness)
+    time = 5e-4 * np.arange(SAMPLES)
+    force = np.random.default_rng(1).standard_normal(SAMPLES)
+    channels = {"force": (force, "N"), "gap": (0.0 * time, "m")}
+    recording = bind_to(graph, Recording.from_arrays("run", time, channels))
+    assert grows(graph, prepare(graph), [recording], FitSettings()) == runs_away

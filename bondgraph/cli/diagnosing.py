@@ -20,7 +20,7 @@ from bondgraph.reporting.tables import (
     estimates_table,
 )
 from bondgraph.reporting.wording import (
-    VERDICTS,
+    headline,
     number_words,
     percent,
     unit_words,
@@ -122,7 +122,7 @@ def look_at(diagnosis: Diagnosis) -> str:
 
 def _verdict(session: Session, diagnosis: Diagnosis) -> str:
     """Return the answer in two sentences, the first in its colour."""
-    verdict = f"{VERDICTS[diagnosis.verdict]}."
+    verdict = f"{headline(diagnosis)}."
     styled = session.styled(
         verdict, sys.stdout, fg=_COLOURS[diagnosis.verdict], bold=True
     )
@@ -158,14 +158,28 @@ def _told(session: Session, diagnosis: Diagnosis) -> Iterator[str]:
             yield f"and {more} more: -v, the page and the JSON have them\n"
     estimates = delivered(diagnosis).estimates
     if estimates:
+        curves = () if session.verbose else _of_curves(diagnosis)
+        told = [one for one in estimates if one.name not in curves]
         yield "Parameters of the model handed on, fitted to all recordings"
-        yield estimates_table(estimates, **table_style(session))
+        yield estimates_table(told, **table_style(session))
+        if curves:
+            yield f"and {len(curves)} of drawn curves: -v, the page and the JSON\n"
     if diagnosis.notes:
         shown = len(diagnosis.notes) if session.verbose else SHOWN_NOTES
         notes = _few(diagnosis.notes, shown)
         yield "\n".join(("Notes", *(f"  {note}" for note in notes), ""))
     if diagnosis.next_experiment:
         yield f"Next experiment: {diagnosis.next_experiment}\n"
+
+
+def _of_curves(diagnosis: Diagnosis) -> frozenset[str]:
+    """Return the parameters of curves without a name: single points tell nothing."""
+    return frozenset(
+        estimate.name
+        for finding in diagnosis.findings
+        for estimate in finding.estimates
+        if finding.physics == "unknown_relation"
+    )
 
 
 def _best_of_each(candidates: Sequence[Evidence]) -> list[Evidence]:

@@ -130,6 +130,8 @@ def grows(
     True for unstable plants and for what integrates twice: there the least disturbance
     is more than anything else in the end.
     """
+    if model.n_states == 0:
+        return False
     size = _effects(graph, model, max(recordings, key=len), settings)
     if not np.isfinite(size).all():
         return True

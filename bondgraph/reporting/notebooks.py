@@ -14,7 +14,7 @@ from bondgraph.diagnosis.records import Diagnosis
 from bondgraph.reporting.drawing import draw_svg
 from bondgraph.reporting.report import diagnosis_picture
 from bondgraph.reporting.wording import (
-    VERDICTS,
+    headline,
     percent,
     sentence_start,
     with_deviation,
@@ -73,7 +73,7 @@ def diagnosis_html(diagnosis: Diagnosis) -> str:
         else ""
     )
     return (
-        f'{_STYLE}<div class="bondgraph-answer"><h3>{VERDICTS[diagnosis.verdict]}</h3>'
+        f'{_STYLE}<div class="bondgraph-answer"><h3>{headline(diagnosis)}</h3>'
         f"<p>{escape(diagnosis.statement)}</p><p>{errors}</p>"
         f"{_SCROLLED.format(diagnosis_picture(diagnosis))}{table}{next_step}</div>"
     )

@@ -32,7 +32,7 @@ from bondgraph.reporting.page.provenance import provenance_rows
 from bondgraph.reporting.page.recordings import recording_charts
 from bondgraph.reporting.wording import (
     NOTHING,
-    VERDICTS,
+    headline,
     number_words,
     percent,
     sentence_start,
@@ -124,7 +124,7 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         != (model.nodes, model.measurements),
         "considered": considered(diagnosis.candidates, diagnosis.findings),
         "not_told_apart": not_told_apart(diagnosis),
-        "verdict": VERDICTS[diagnosis.verdict],
+        "verdict": headline(diagnosis),
         "blame": _shown_blame(diagnosis),
         "picture": Markup(diagnosis_picture(diagnosis)),  # noqa: S704  (escapes its names)
         "units": {m.name: unit_words(m.unit) for m in model.measurements},

@@ -2,8 +2,9 @@
 
 import math
 
-from bondgraph.diagnosis.records import Verdict
+from bondgraph.diagnosis.records import Diagnosis, Verdict
 from bondgraph.fitting.result import Score
+from bondgraph.structure.units import plain_unit
 
 VERDICTS = {
     Verdict.ADEQUATE: "Nothing is missing",
@@ -11,10 +12,19 @@ VERDICTS = {
     Verdict.UNEXPLAINED: "Something is missing that no known law explains",
     Verdict.CANNOT_TELL: "These recordings cannot tell",
 }
+FOUND_WANTING = "Something is missing, and what was found does not explain it"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 NOTHING = "–"
 DIGITS = 1e-15
 """A deviation below this share of a number lies beyond its last digit."""
+
+
+def headline(diagnosis: Diagnosis) -> str:
+    """Return the verdict in a few words; laws that fall short are told as such."""
+    named = any(one.physics != "unknown_relation" for one in diagnosis.findings)
+    if diagnosis.verdict is Verdict.UNEXPLAINED and named:
+        return FOUND_WANTING
+    return VERDICTS[diagnosis.verdict]
 
 
 def sentence_start(text: str) -> str:
@@ -81,7 +91,7 @@ def with_unit(text: str, unit: str) -> str:
 
 def unit_words(unit: str) -> str:
     """Return a unit to read: ``N·m/rad``, ``kg·m²``."""
-    text = unit.replace("**", "^").replace("*", "·")
+    text = plain_unit(unit).replace("**", "^").replace("*", "·")
     for power in ("^-1", "^-2", "^-3", "^2", "^3", "^4"):
         text = text.replace(power, power[1:].translate(_SUPERSCRIPT))
     return text

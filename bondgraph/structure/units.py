@@ -105,6 +105,11 @@ _SI_WORDS = frozenset(
 
 
 @cache
+def plain_unit(unit: str) -> str:
+    """Return a unit without brackets around what needs none: ``(J)/(K)`` as ``J/K``."""
+    return re.sub(r"\((\w+)\)", r"\1", unit)
+
+
 def si_unit(unit: str) -> str:
     """Return `unit` itself if it is written in coherent SI units, else its SI form.
 

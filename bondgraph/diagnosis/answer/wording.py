@@ -9,6 +9,7 @@ from bondgraph.diagnosis.records import Finding
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.result import Estimate
 from bondgraph.structure.domains import ROTATION, TRANSLATION
+from bondgraph.structure.units import plain_unit
 
 NAMES = {
     "coulomb_friction": "Coulomb (dry) friction",
@@ -47,7 +48,7 @@ def name_of(physics: str) -> str:
 
 def value_with_error(estimate: Estimate) -> str:
     """Return ``value ± std unit`` with as many digits as the error allows."""
-    unit = "" if estimate.unit == "1" else f" {estimate.unit}"
+    unit = "" if estimate.unit == "1" else f" {plain_unit(estimate.unit)}"
     if estimate.std is None:
         return f"{estimate.value:.4g}{unit} (not determined by these recordings)"
     return f"{to_digits_of(estimate.value, estimate.std)}{unit}"
