@@ -124,8 +124,12 @@ def test_what_follows_the_machine_is_not_nothing_however_near_the_noise(share, v
     )
     follows = SimpleNamespace(share=share, variable="flow", place="wall")
     checked = _checked(AdequacyStatus.STRUCTURE, follows)
-    answer, statement = verdict_of([], base, {"x": 1.0}, Round(None), 1.0, checked)
+    tried = Round(None, tried=30)
+    answer, statement = verdict_of([], base, {"x": 1.0}, tried, 1.0, checked)
     assert answer is verdict
+    # What was not worth a search is within the noise.
+    untried, _ = verdict_of([], base, {"x": 1.0}, Round(None), 1.0, checked)
+    assert untried is Verdict.ADEQUATE
     reliable = "explains it reliably" in statement
     assert reliable == (verdict is Verdict.CANNOT_TELL)
 

@@ -89,7 +89,12 @@ def verdict_of(
             f"little to matter{_tried_words(first.tried)}."
         )
     undecided = [j for j in first.judged if j.support is Support.UNDECIDED]
-    structured = checked is not None and checked.status is AdequacyStatus.STRUCTURE
+    # What no candidate was tried on is no more than noise excuses.
+    structured = (
+        checked is not None
+        and checked.status is AdequacyStatus.STRUCTURE
+        and first.tried > 0
+    )
     if undecided and (structured or not worst <= ADEQUATE_RATIO):
         names = ", ".join(
             dict.fromkeys(f"{name_of(j.physics)} at {j.place}" for j in undecided[:3])
