@@ -21,6 +21,9 @@ ADEQUATE_RATIO = 3.0
 SIZEABLE = 0.1
 """Of an output's spread: a coloured residual larger than that is no mere noise."""
 
+SLOWLY = 0.05
+"""And what whole recordings are missed by where windows of them are not."""
+
 
 def noise_floor(recordings: Sequence[BoundRecording]) -> dict[str, float]:
     """Return the measurement noise of each output, the largest over recordings."""
@@ -75,15 +78,22 @@ def residual_over_spread(fitted: FittedModel) -> dict[str, float]:
     return dict(zip(names, map(float, shares), strict=True))
 
 
-def too_large(fitted: FittedModel, floor: Mapping[str, float]) -> str | None:
+def too_large(
+    fitted: FittedModel, floor: Mapping[str, float], share: float = SIZEABLE
+) -> str | None:
     """Return the output whose residual is worst beyond any noise; None where none is.
 
     Large beside the noise alone is not enough: a sensor may be finer than a machine.
+
+    Parameters
+    ----------
+    share
+        Of the output's spread, from which a residual is large.
     """
     ratios, shares = residual_over_noise(fitted, floor), residual_over_spread(fitted)
     large = [
         name
         for name, ratio in ratios.items()
-        if ratio > ADEQUATE_RATIO and shares[name] > SIZEABLE
+        if ratio > ADEQUATE_RATIO and shares[name] > share
     ]
     return max(large, key=lambda name: shares[name], default=None)

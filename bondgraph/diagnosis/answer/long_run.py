@@ -10,6 +10,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from bondgraph.diagnosis.answer.leftover import (
+    SLOWLY,
     residual_over_noise,
     residual_over_spread,
     too_large,
@@ -36,7 +37,7 @@ def off_in_the_long_run(
     if grows(graph, base.problem.model, recordings, settings):
         return None
     whole = fit_model(graph, recordings, settings)
-    worst = too_large(whole, floor)
+    worst = too_large(whole, floor, SLOWLY)
     if worst is None:
         return None
     share, ratio = residual_over_spread(whole), residual_over_noise(whole, floor)
@@ -45,8 +46,7 @@ def off_in_the_long_run(
         "model leaves hardly more than noise. But over whole recordings, refitted to "
         f"them, it misses {worst} by {100 * share[worst]:.0f} % of what it varies by, "
         f"{ratio[worst]:.1f} times its noise: a slow disturbance that was not "
-        "recorded, or physics slower than these windows. Diagnose with longer windows "
-        "(--window)."
+        "recorded, or slow physics that no law tried here describes."
     )
 
 

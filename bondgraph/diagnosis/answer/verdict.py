@@ -104,9 +104,12 @@ def verdict_of(
             "data that were left out."
         )
     if checked is not None and structured and worst <= ADEQUATE_RATIO:
+        most = max(checked.dependences, key=lambda one: one.share)
         return Verdict.CANNOT_TELL, (
-            f"{checked.status} Yet none of the {first.tried} candidates explains it "
-            "reliably on data that were left out."
+            f"What the model leaves follows {most.variable} at {most.place} "
+            f"({100 * most.share:.2g} % of it), and none of the {first.tried} "
+            "candidates explains that reliably on data that were left out: physics "
+            "that no law tried here describes, or noise that a closed loop feeds back."
         )
     if worst > ADEQUATE_RATIO:
         return Verdict.UNEXPLAINED, (

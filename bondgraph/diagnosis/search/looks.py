@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.answer.found import MUCH_REMAINING, remaining
-from bondgraph.diagnosis.answer.leftover import noise_floor, too_large
+from bondgraph.diagnosis.answer.leftover import SLOWLY, noise_floor, too_large
 from bondgraph.diagnosis.answer.showing import simulate_whole
 from bondgraph.diagnosis.search.beginnings import Known
 from bondgraph.diagnosis.search.beyond_noise import within
@@ -96,7 +96,7 @@ def second_look(
         return first
     known = Known(graph, recordings, noise, _halved(options))
     long = known.fitted_whole(base)
-    if small and too_large(long, noise_floor(recordings)) is None:
+    if small and too_large(long, noise_floor(recordings), SLOWLY) is None:
         return first
     least = _whole_error(long, recordings)
     best, reached = first, min(first.error(recordings), least)
