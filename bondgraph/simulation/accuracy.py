@@ -52,5 +52,6 @@ def halved_step_difference(
     if not (coarse.completed.all() and fine.completed.all()):
         return np.full(len(model.output_names), np.inf)
     change = coarse.outputs - fine.outputs
-    found: Array = np.sqrt(np.mean(change**2, axis=0))
+    with np.errstate(over="ignore"):  # What is too large for a square is inf.
+        found: Array = np.sqrt(np.mean(change**2, axis=0))
     return found

@@ -151,13 +151,13 @@ def _is_by_itself(judged: Judged, rule: Rule) -> bool:
 
 
 def _hardly_beaten(plainer: Judged, other: Judged, rule: Rule) -> bool:
-    """Return whether a wider law does not clearly beat another, or a curve by far."""
-    if plainer.physics == CURVE:
+    """Return whether a law gives most of what a wider one gives, or a curve."""
+    most = plainer.gain.value >= NAMED_SHARE * other.gain.value
+    if plainer.physics == CURVE or not most:
         return False
-    if other.physics == CURVE:
-        return plainer.gain.value >= NAMED_SHARE * other.gain.value
     more = other.candidate.complexity > plainer.candidate.complexity
-    return more and not clearly_better(other, plainer, rule)
+    close = more and not clearly_better(other, plainer, rule)
+    return close or other.physics == CURVE
 
 
 def best_supported(judged: Sequence[Judged], rule: Rule) -> Judged | None:

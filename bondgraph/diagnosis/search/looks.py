@@ -20,6 +20,7 @@ from bondgraph.diagnosis.answer.showing import simulate_whole
 from bondgraph.diagnosis.search.beginnings import Known
 from bondgraph.diagnosis.search.beyond_noise import within
 from bondgraph.diagnosis.search.candidates import CURVE
+from bondgraph.diagnosis.search.hollow import without_hollow
 from bondgraph.diagnosis.search.horizons import sharpened
 from bondgraph.diagnosis.search.one_round import Round, accepted, chosen_in
 from bondgraph.diagnosis.search.options import Options
@@ -68,7 +69,8 @@ def look(
         return Look(rounds, base)
     shop.progress("refitting the improved model")
     final = sharpened(rounds[-1].base, recordings, options)
-    return Look(*without_needless_parts(rounds, final, recordings, options))
+    rounds, final = without_needless_parts(rounds, final, recordings, options)
+    return Look(*without_hollow(rounds, final, recordings, options))
 
 
 def second_look(

@@ -56,14 +56,14 @@ def without_needless_parts(
             continue
         told = [*plain[:i], without, *plain[i + 1 :]]
         fitted = _sharpened_with(told, final, recordings, options)
-        if narrower.support is Support.SUPPORTED or _as_good(
+        if narrower.support is Support.SUPPORTED or as_good(
             fitted, final, options.rule
         ):
             plain, final = told, fitted
     return plain, final
 
 
-def _as_good(plain: FittedModel, wide: FittedModel, rule: Rule) -> bool:
+def as_good(plain: FittedModel, wide: FittedModel, rule: Rule) -> bool:
     """Return whether the final fit is as good without what the wider law adds.
 
     Each fit has scaled its errors by its own, so they are compared in one scale.

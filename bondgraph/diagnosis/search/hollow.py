@@ -1,0 +1,60 @@
+"""Findings without a number are taken out, where what was found beside them suffices.
+
+A law that came first may have lent its form to what a later one explains, and ends as
+nothing: a spring too stiff to give way. Where the final fit tells none of its numbers
+from none and fits as well without it, it is told as taken out again.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bondgraph.diagnosis.answer.found import ERRORS
+from bondgraph.diagnosis.search.candidates import CURVE
+from bondgraph.diagnosis.search.horizons import sharpened
+from bondgraph.diagnosis.search.one_round import Round, chosen_in
+from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.plainer import as_good
+from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.errors import BondGraphError
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.fitting.uncertainty import uncertainty
+from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.recordings.binding import BoundRecording
+
+
+def without_hollow(
+    rounds: Sequence[Round],
+    final: FittedModel,
+    recordings: Sequence[BoundRecording],
+    options: Options,
+) -> tuple[list[Round], FittedModel]:
+    """Return the rounds and the final model without findings that are nothing in it.
+
+    The last finding stays: that it has no number is told.
+    """
+    left = list(rounds)
+    for one in chosen_in(rounds):
+        law = one.hypothesis
+        others = [c.hypothesis for c in chosen_in(left) if c.hypothesis is not law]
+        if not others or law.physics == CURVE or not is_hollow(final, law):
+            continue
+        try:
+            plain = fitted_with(rounds[0].base, final, others, {})
+        except BondGraphError:
+            continue  # A later law sits on it.
+        plain = sharpened(plain, recordings, options)
+        if as_good(plain, final, options.rule):
+            last, final = left[-1], plain
+            left[-1] = replace(last, removed=(*last.removed, law))
+    return left, final
+
+
+def is_hollow(fitted: FittedModel, law: Hypothesis) -> bool:
+    """Return whether none of the numbers of a law is told from none."""
+    problem = fitted.problem
+    std = uncertainty(problem, fitted.optimum).std
+    own = np.isin(problem.free_names, law.parameters)
+    sure = np.abs(fitted.optimum.theta) > ERRORS * std  # False where it is not known.
+    return bool(own.any()) and not bool((own & sure).any())

@@ -1,0 +1,68 @@
+"""A finding that ends as nothing is taken out, if another suffices without it."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from rubbing_slider import proposed, slider
+
+from bondgraph import Recording, bind_to
+from bondgraph.diagnosis.search.hollow import is_hollow, without_hollow
+from bondgraph.diagnosis.search.one_round import Round, accepted
+from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.fitting.estimate import FitSettings, fit_model
+from bondgraph.physics.drag import QuadraticDrag
+from bondgraph.physics.friction import CoulombFriction
+
+DRAG = 3.0
+
+
+def searched(friction):
+    """Return the rounds of a search that found dry friction and then drag."""
+    graph = slider()
+    time = np.arange(1500) * 0.01
+    speed = 0.5 * np.sin(1.3 * time) * np.sin(0.2 * time + 1)
+    noise = 0.01 * np.random.default_rng(3).standard_normal(time.size)
+    rubs = friction * np.tanh(speed / 0.002)
+    force = 1.5 * speed + DRAG * speed * np.abs(speed) + rubs + noise
+    channels = {"speed": (speed, "m/s"), "force": (force, "N")}
+    run = bind_to(graph, Recording.from_arrays("run", time, channels))
+    base = fit_model(graph, [run], FitSettings())
+    rub = proposed(base, CoulombFriction())
+    rubbing = fitted_with(base, base, [rub], rub.starts[0])
+    drag = proposed(rubbing, QuadraticDrag())
+    start = {**rub.starts[0], **drag.starts[-1]}
+    final = fitted_with(base, rubbing, [rub, drag], start)
+    rounds = [
+        Round(fitted, chosen=SimpleNamespace(candidate=SimpleNamespace(hypothesis=law)))
+        for fitted, law in ((base, rub), (rubbing, drag))
+    ]
+    return [*rounds, Round(final)], final, [run], rub, drag
+
+
+def test_a_law_that_came_first_and_ends_as_nothing_is_taken_out():
+    rounds, final, runs, rub, drag = searched(0.0)
+    assert is_hollow(final, rub)
+    assert not is_hollow(final, drag)
+    left, without = without_hollow(rounds, final, runs, Options())
+    assert [one.chosen.candidate.hypothesis for one in accepted(left)] == [drag]
+    assert left[-1].removed == (rub,)
+    assert not set(rub.parameters) & set(without.values)
+    (size,) = drag.strengths
+    assert without.values[size] == pytest.approx(DRAG, rel=0.02)
+
+
+def test_laws_that_are_there_stay():
+    rounds, final, runs, rub, _ = searched(0.4)
+    assert not is_hollow(final, rub)
+    left, same = without_hollow(rounds, final, runs, Options())
+    assert left == rounds
+    assert same is final
+
+
+def test_the_only_finding_stays_and_is_told_as_it_is():
+    rounds, final, runs, rub, _ = searched(0.0)
+    alone = [rounds[0], Round(final)]
+    assert is_hollow(final, rub)
+    assert without_hollow(alone, final, runs, Options())[0] == alone
