@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.answer.found import MUCH_REMAINING, remaining
-from bondgraph.diagnosis.answer.leftover import SLOWLY, noise_floor, too_large
+from bondgraph.diagnosis.answer.leftover import noise_floor, too_large
 from bondgraph.diagnosis.answer.showing import simulate_whole
 from bondgraph.diagnosis.search.beginnings import Known
 from bondgraph.diagnosis.search.beyond_noise import within
@@ -36,6 +36,9 @@ from bondgraph.structure.graph import FinishedGraph
 Array = NDArray[np.float64]
 CLEARLY = 0.9
 """An error of whole recordings below this share of another's is clearly smaller."""
+
+SHOWS = 0.01
+"""Of an output's spread: whole recordings that are missed by less show nothing slow."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +101,7 @@ def second_look(
         return first
     known = Known(graph, recordings, noise, _halved(options))
     long = known.fitted_whole(base)
-    if small and too_large(long, noise_floor(recordings), SLOWLY) is None:
+    if small and too_large(long, noise_floor(recordings), SHOWS) is None:
         return first
     least = _whole_error(long, recordings)
     best, reached = first, min(first.error(recordings), least)
