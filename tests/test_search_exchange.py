@@ -54,13 +54,13 @@ def added(first, fitted, hypotheses):
     return min(fits, key=lambda one: one.optimum.cost)
 
 
-def judged_beside(current, newcomer, fitted):
-    chunks = chunk_count(current)
+def judged_beside(current, newcomer, fitted, chunks=None):
+    chunks = chunks or chunk_count(current)
     before, after = (left_out_errors(one, chunks) for one in (current, fitted))
     return judge(Candidate(newcomer, fitted, 1), before, after, 30.0, RULE)
 
 
-def outcome(law, earlier, last):
+def outcome(law, earlier, last, chunks=None):
     """Return the exchange for the `last` law, tried after the `earlier` ones."""
     base = current = driven(law)
     found = []
@@ -68,7 +68,8 @@ def outcome(law, earlier, last):
         found.append(proposed(base, physics))
         current = added(base, current, found)
     new = proposed(base, last)
-    judged = judged_beside(current, new, added(base, current, [*found, new]))
+    fitted = added(base, current, [*found, new])
+    judged = judged_beside(current, new, fitted, chunks)
     reached = Reached(base, current, tuple(found), np.zeros(1))
     return judged, exchanged(reached, [judged], 30.0, RULE), found, new
 
@@ -79,7 +80,9 @@ def road(speed):
 
 def test_a_law_that_comes_too_late_takes_the_place_of_a_bent_one():
     limit_and_friction = (SpeedLimit(), CoulombFriction())
-    _, instead, found, new = outcome(road, limit_and_friction, QuadraticDrag())
+    _, instead, found, new = outcome(road, limit_and_friction, QuadraticDrag(), 9)
+    # On the chunks of its round, or it could not be compared with the others there.
+    assert instead.better.errors.chunks.size == instead.rival.errors.chunks.size == 9
     assert instead.rival.candidate.hypothesis is found[0]
     assert instead.kept == (found[1], new)
     assert instead.better.support is Support.SUPPORTED

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import sympy
 
-from bondgraph import BondGraph, C, R, Recording, Se, Sf, bind_to, effort
+from bondgraph import BondGraph, C, I, R, Recording, Se, Sf, bind_to, effort
 from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.beginnings import Known
@@ -108,3 +108,64 @@ def test_where_nothing_is_missing_one_look_is_enough():
     diagnosis, looks = found(two_blocks(joined=True))
     assert looks == 0
     assert diagnosis.verdict is Verdict.ADEQUATE
+
+
+def cart():
+    g = BondGraph("cart", domain="translation")
+    g.one("cart", Se("force"), I("mass"), R("film"))
+    g.measure("position", displacement="cart")
+    g.parameter("mass", 1.1, "kg", bounds=(0.01, 100.0))
+    g.parameter("film", 0.05, "N*s/m", bounds=(0.0, 10.0))
+    return g.finish()
+
+
+SOFT, WANDERS = 2e-4, 4e-5
+"""A spring in N/m, and what a draught changes by per sample in N."""
+
+
+def floated(stiffness, walk, samples=2400, step=0.05):
+    """Return a cart on an air cushion, on a soft spring, in a draught that wanders."""
+    random = np.random.default_rng(2)
+    force = 0.05 * np.repeat(random.uniform(-1.0, 1.0, samples // 40), 40)
+    draught = np.cumsum(walk * random.standard_normal(samples))
+    draught -= draught.mean()
+    place, speed, told = 0.0, 0.0, np.zeros(samples)
+    for k in range(samples):
+        told[k] = place
+        for _ in range(10):
+            push = force[k] + draught[k] - stiffness * place - 0.04 * speed
+            speed += step / 10 * push / 1.0
+            place += step / 10 * speed
+    told += 2e-3 * random.standard_normal(samples)
+    channels = {"force": (force, "N"), "position": (told, "m")}
+    time = step * np.arange(samples)
+    return bind_to(cart(), Recording.from_arrays("run", time, channels))
+
+
+def springs(stiffness, walk):
+    """Return what is said of the cart, and how many further looks it took."""
+    run = floated(stiffness, walk)
+    words = ("spring", "coulomb_friction", "quadratic_drag", "hardening_spring")
+    library = tuple(physics for physics in LIBRARY if physics.word in words)
+    options, said = Options(settings=HELD, library=library), []
+    diagnosis = diagnose(
+        cart(), [run], held_out=[run], options=options, progress=said.append
+    )
+    return diagnosis, sum("another look" in sentence for sentence in said)
+
+
+def test_what_is_too_soft_for_windows_is_found_in_whole_recordings():
+    diagnosis, looks = springs(SOFT, 0.0)
+    assert looks == 1
+    (spring,) = diagnosis.findings
+    assert spring.physics == "spring"
+    size = next(one for one in spring.estimates if one.name.startswith("stiffness"))
+    assert size.value == pytest.approx(SOFT, rel=0.05)
+
+
+def test_a_draught_that_wanders_slowly_is_no_spring():
+    # Whole recordings are left with more than windows are: no law is believed.
+    diagnosis, looks = springs(0.0, WANDERS)
+    assert looks == 1
+    assert diagnosis.verdict is Verdict.CANNOT_TELL
+    assert not diagnosis.findings

@@ -15,6 +15,9 @@ VERDICTS = {
 FOUND_WANTING = "Something is missing, and what was found does not explain it"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 NOTHING = "–"
+BEYOND = 100.0
+"""A share beyond it says that it is large, and nothing else."""
+
 DIGITS = 1e-15
 """A deviation below this share of a number lies beyond its last digit."""
 
@@ -36,6 +39,8 @@ def percent(share: float | None) -> str:
     """Return a share in per cent, three digits; a dash where there is no number."""
     if share is None or not math.isfinite(share):
         return NOTHING
+    if share > BEYOND:
+        return f"more than {100 * BEYOND:g} %"  # An unstable model runs away.
     return f"{number_words(100 * share, 3)} %"
 
 

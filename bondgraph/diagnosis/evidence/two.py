@@ -20,11 +20,7 @@ from bondgraph.diagnosis.evidence.decision import (
 )
 from bondgraph.diagnosis.evidence.gain import Gain, compare
 from bondgraph.diagnosis.evidence.judging import errors_of
-from bondgraph.diagnosis.evidence.left_out import (
-    LeftOutErrors,
-    chunk_count,
-    left_out_errors,
-)
+from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, left_out_errors
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.pairs import Pair
@@ -70,6 +66,7 @@ class PairErrors:
         beside: Mapping[int, Bench],
         pairs: Sequence[Pair],
         noise: Array,
+        chunks: int,
     ) -> "PairErrors":
         """Return the errors of pairs, and of their laws alone.
 
@@ -77,8 +74,9 @@ class PairErrors:
         ----------
         beside
             For each first law the bench whose base model has it.
+        chunks
+            Into how many the data are dealt.
         """
-        chunks = chunk_count(pairs[0].both.fitted)
         singles = {id(one): one for pair in pairs for one in (pair.first, pair.second)}
         alone = errors_of(bench, list(singles.values()), chunks, noise)
         both = {

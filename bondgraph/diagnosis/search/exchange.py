@@ -20,11 +20,7 @@ from bondgraph.diagnosis.evidence.decision import (
     judge,
     probability,
 )
-from bondgraph.diagnosis.evidence.left_out import (
-    LeftOutErrors,
-    chunk_count,
-    left_out_errors,
-)
+from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, left_out_errors
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.removal import fitted_with
@@ -86,7 +82,8 @@ def exchanged(
     some = [j for j in newcomers if j.gain.value > ERRORS * j.gain.std]
     if not some or not reached.added:
         return None
-    errors = _Errors(chunk_count(reached.current), reached)
+    # On the chunks of the round, that all in it can be compared.
+    errors = _Errors(some[0].errors.chunks.size, reached)
     now = errors.of(reached.current)
     tries = (
         _instead(new, old, reached, errors, now, tried, rule)

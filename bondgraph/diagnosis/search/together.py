@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.evidence.decision import Judged, Rule, probability
-from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
+from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, chunk_count
 from bondgraph.diagnosis.evidence.two import (
     WORTH,
     JudgedPair,
@@ -50,7 +50,8 @@ def two_rounds(setting: Setting, found: Round, shop: Workshop) -> tuple[Round, .
     pairs = _worth(setting, pairing)
     if not pairs:
         return ()
-    seen = PairErrors.of(bench, pairing.beside, pairs, setting.noise)
+    chunks = _chunks(found, pairs)
+    seen = PairErrors.of(bench, pairing.beside, pairs, setting.noise, chunks)
     judged = [
         judge_pair(pair, seen, pairing.rivals(pair, found.independent), rule)
         for pair in pairs
@@ -73,6 +74,13 @@ def explained(made: Sequence[Round]) -> float:
     """Return the share of the left-out error that rounds take away in turn."""
     left = (1.0 - one.chosen.gain.value for one in made if one.chosen is not None)
     return 1.0 - math.prod(left)
+
+
+def _chunks(found: Round, pairs: Sequence[Pair]) -> int:
+    """Return into how many chunks to deal the data: as the round has, if it has."""
+    if found.judged:
+        return found.judged[0].errors.chunks.size
+    return chunk_count(pairs[0].both.fitted)
 
 
 def _worth(setting: Setting, pairing: Pairing) -> list[Pair]:
