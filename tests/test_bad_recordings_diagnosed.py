@@ -208,8 +208,8 @@ SWAPPED = (
     "what the other should."
 )
 MIRRORED = (
-    "Sensor swap at speed_1 was left out: speed_1 and speed_2 are swapped, each reads "
-    "what the other should. It cannot be told apart here from input swap."
+    "Sensor swap at speed_1 may have been left out: speed_1 and speed_2 are swapped, "
+    "each reads what the other should. It cannot be told apart here from input swap."
 )
 
 

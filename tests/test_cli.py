@@ -518,7 +518,7 @@ BAD_RECORDINGS = {
         header("time [s],force [N],velocity [rad]"),
         ("'velocity' of the model is in 'm/s'", "'rad'"),
     ),
-    "no unit": (header("time [s],force [N],velocity"), ("--unit velocity=...",)),
+    "no unit": (header("time [s],force [N],velocity"), ("--unit velocity=UNIT",)),
     "NaN": (cell(7, 2, "nan"), ("not a finite number", "--gaps drop")),
     "empty cell": (cell(7, 2, ""), ("not a finite number", "--gaps drop")),
     "not a number": (cell(7, 2, "fast"), ("fast", "Line 8 of")),

@@ -258,13 +258,12 @@ def test_a_damper_with_memory_is_not_called_coulomb():
         read_for(graph, RECORDINGS / f"damper/sine_{speed}Hz_tension35lb.csv")
         for speed in ("0p5", "1")
     )
-    training = training.part(len(training) // 2, len(training))
     diagnosis = diagnose(graph, [training], held_out=[held_out])
     assert diagnosis.verdict is Verdict.PHYSICS_MISSING, diagnosis.statement
     first = diagnosis.findings[0]
     assert (first.physics, first.place) == ("hysteresis", "rod")
     assert "coulomb_friction" not in {f.physics for f in diagnosis.findings}
-    assert diagnosis.held_out.after.rmse["friction_force"] < 1500  # N; Coulomb: 6600
+    assert diagnosis.held_out.after.rmse["friction_force"] < 1360  # N; Coulomb: 6600
 
 
 @real

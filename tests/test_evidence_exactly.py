@@ -430,7 +430,13 @@ def judged_on(monkeypatch):
         monkeypatch.setattr(judging, "left_out_errors", lambda *_: BASE)
         monkeypatch.setattr(judging, "chunk_count", lambda fitted: fitted.optimum.cost)
         found = judging.judge_all(
-            bench, worth, 1.0, RULE, np.array([noise]), lambda _: True
+            bench,
+            worth,
+            1.0,
+            RULE,
+            np.array([noise]),
+            lambda _: True,
+            judging.Verdicts(),
         )
         return found, asked
 

@@ -76,8 +76,10 @@ def judge_all(
     before = earlier.before
     if before is None:
         best = min(worth, key=lambda candidate: candidate.cost)
-        before = left_out_errors(bench.base, chunk_count(best.fitted))
-    chunks = before.chunks.size
+        chunks = chunk_count(best.fitted)
+        before = left_out_errors(bench.base, chunks)
+    else:
+        chunks = before.chunks.size
     first = [first_twin(i, worth) for i in range(len(worth))]
     kinds = sorted(set(first))
     seen = errors_of(bench, [worth[i] for i in kinds], chunks, noise)
