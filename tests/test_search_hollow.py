@@ -7,7 +7,7 @@ import pytest
 from rubbing_slider import proposed, slider
 
 from bondgraph import Recording, bind_to
-from bondgraph.diagnosis.search.hollow import is_hollow, without_hollow
+from bondgraph.diagnosis.search.hollow import ends_as_nothing, without_hollow
 from bondgraph.diagnosis.search.one_round import Round, accepted
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.removal import fitted_with
@@ -43,8 +43,8 @@ def searched(friction):
 
 def test_a_law_that_came_first_and_ends_as_nothing_is_taken_out():
     rounds, final, runs, rub, drag = searched(0.0)
-    assert is_hollow(final, rub)
-    assert not is_hollow(final, drag)
+    assert ends_as_nothing(final, rub)
+    assert not ends_as_nothing(final, drag)
     left, without = without_hollow(rounds, final, runs, Options())
     assert [one.chosen.candidate.hypothesis for one in accepted(left)] == [drag]
     assert left[-1].removed == (rub,)
@@ -55,7 +55,7 @@ def test_a_law_that_came_first_and_ends_as_nothing_is_taken_out():
 
 def test_laws_that_are_there_stay():
     rounds, final, runs, rub, _ = searched(0.4)
-    assert not is_hollow(final, rub)
+    assert not ends_as_nothing(final, rub)
     left, same = without_hollow(rounds, final, runs, Options())
     assert left == rounds
     assert same is final
@@ -64,5 +64,5 @@ def test_laws_that_are_there_stay():
 def test_the_only_finding_stays_and_is_told_as_it_is():
     rounds, final, runs, rub, _ = searched(0.0)
     alone = [rounds[0], Round(final)]
-    assert is_hollow(final, rub)
+    assert ends_as_nothing(final, rub)
     assert without_hollow(alone, final, runs, Options())[0] == alone

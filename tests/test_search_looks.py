@@ -1,14 +1,18 @@
 """Further looks: where the first was blind, and nowhere else."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import sympy
+from carts import free_cart
 
-from bondgraph import BondGraph, C, I, R, Recording, Se, Sf, bind_to, effort
+from bondgraph import BondGraph, C, R, Recording, Se, Sf, bind_to, effort
 from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.beginnings import Known
 from bondgraph.fitting.estimate import FitSettings, fit_model
+from bondgraph.fitting.horizon import Automatic, WholeRecordings, Windows
 from bondgraph.physics.library import LIBRARY
 from bondgraph.simulation.solvers import Hold
 
@@ -104,21 +108,25 @@ def test_what_ran_away_is_held_weakly_to_what_is_stated():
     assert held.values["capacity2"] < 0.1 * base.values["capacity2"]
 
 
+def test_a_window_that_is_asked_for_is_kept_in_further_looks():
+    run = heated(two_blocks())
+    for horizon, used in ((Automatic(), WholeRecordings()), (Windows(50), Windows(50))):
+        options = Options(settings=replace(HELD, horizon=horizon))
+        known = Known(two_blocks(), [run], np.zeros(2), options)
+        assert known.settings.horizon == used
+        windows = fit_model(two_blocks(), [run], replace(HELD, horizon=Windows(50)))
+        again = known.fitted_again(windows)
+        assert again.horizon == used
+        assert (again is windows) == (horizon == used)
+
+
 def test_where_nothing_is_missing_one_look_is_enough():
     diagnosis, looks = found(two_blocks(joined=True))
     assert looks == 0
     assert diagnosis.verdict is Verdict.ADEQUATE
 
 
-def cart():
-    g = BondGraph("cart", domain="translation")
-    g.one("cart", Se("force"), I("mass"), R("film"))
-    g.measure("position", displacement="cart")
-    g.parameter("mass", 1.1, "kg", bounds=(0.01, 100.0))
-    g.parameter("film", 0.05, "N*s/m", bounds=(0.0, 10.0))
-    return g.finish()
-
-
+CART = free_cart().with_parameters({"mass": 1.1, "viscous": 0.05})
 SOFT, WANDERS = 2e-4, 4e-5
 """A spring in N/m, and what a draught changes by per sample in N."""
 
@@ -139,7 +147,7 @@ def floated(stiffness, walk, samples=2400, step=0.05):
     told += 2e-3 * random.standard_normal(samples)
     channels = {"force": (force, "N"), "position": (told, "m")}
     time = step * np.arange(samples)
-    return bind_to(cart(), Recording.from_arrays("run", time, channels))
+    return bind_to(CART, Recording.from_arrays("run", time, channels))
 
 
 def springs(stiffness, walk):
@@ -149,7 +157,7 @@ def springs(stiffness, walk):
     library = tuple(physics for physics in LIBRARY if physics.word in words)
     options, said = Options(settings=HELD, library=library), []
     diagnosis = diagnose(
-        cart(), [run], held_out=[run], options=options, progress=said.append
+        CART, [run], held_out=[run], options=options, progress=said.append
     )
     return diagnosis, sum("another look" in sentence for sentence in said)
 

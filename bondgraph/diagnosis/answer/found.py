@@ -234,13 +234,17 @@ def _less_probable(finding: Finding, share: float) -> Finding:
 
 def is_hollow(finding: Finding) -> bool:
     """Return whether nothing tells a single number of a law with a name from none."""
-    return (
-        finding.physics != CURVE
-        and bool(finding.estimates)
-        and all(
-            one.std is None or abs(one.value) <= ERRORS * one.std
-            for one in finding.estimates
-        )
+    numbers = [(one.value, one.std) for one in finding.estimates]
+    return finding.physics != CURVE and none_told(numbers)
+
+
+def none_told(numbers: Sequence[tuple[float, float | None]]) -> bool:
+    """Return whether there are numbers, each with its error, and none is told from 0.
+
+    An error that is not known, None or not a number, tells nothing.
+    """
+    return bool(numbers) and not any(
+        std is not None and abs(value) > ERRORS * std for value, std in numbers
     )
 
 

@@ -2,16 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
-from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
+from bondgraph.diagnosis.adequacy.records import Adequacy
 from bondgraph.diagnosis.answer.found import ERRORS, MUCH_REMAINING, is_hollow
-from bondgraph.diagnosis.answer.leftover import (
-    ADEQUATE_RATIO,
-    residual_over_noise,
-    residual_over_spread,
-    too_large,
-)
+from bondgraph.diagnosis.answer.nothing_found import without_findings
 from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.records import Comparison, Finding, Support, Verdict
@@ -20,17 +13,8 @@ from bondgraph.diagnosis.search.horizons import SAME
 from bondgraph.diagnosis.search.one_round import Round, accepted
 from bondgraph.fitting.estimate import FittedModel
 
-NOTHING = (AdequacyStatus.ADEQUATE, AdequacyStatus.COLOURED)
-"""What a model leaves that no physics of the machine explains."""
-
 MOST_REMAINING = 0.5
 """Findings that leave more than this share of the error have not found the cause."""
-
-TRACE = 0.05
-"""A smaller share of what a model leaves does not matter, however sure it is."""
-
-MANY = 1000
-"""Beyond it, how many times the noise says more of the noise than of the model."""
 
 HALVED, UNMOVED = 0.5, 0.95
 """What halves the errors it was fitted to and leaves so much of held-out ones fits."""
@@ -70,56 +54,7 @@ def verdict_of(
         )
     if findings:
         return Verdict.UNEXPLAINED, told
-    ratios = residual_over_noise(base, floor)
-    worst = max(ratios.values(), default=float("nan"))
-    slow = _large_and_slow(base, floor, checked)
-    if slow is not None:
-        return Verdict.CANNOT_TELL, slow
-    if checked is not None and checked.status in NOTHING:
-        chance = f"{100 * checked.p_value:.0f} of 100 recordings"
-        return Verdict.ADEQUATE, (
-            f"{checked.status} By chance it would follow the machine no less in "
-            f"{chance}{_tried_words(first.tried)}."
-        )
-    if checked is not None and _is_trace(checked):
-        most = max(checked.dependences, key=lambda one: one.share)
-        return Verdict.ADEQUATE, (
-            f"What the model leaves is coloured noise. A trace of it, "
-            f"{100 * most.share:.2g} %, follows {most.variable} at {most.place}: too "
-            f"little to matter{_tried_words(first.tried)}."
-        )
-    undecided = [j for j in first.judged if j.support is Support.UNDECIDED]
-    # What no candidate was tried on is no more than noise excuses.
-    structured = (
-        checked is not None
-        and checked.status is AdequacyStatus.STRUCTURE
-        and first.tried > 0
-    )
-    if undecided and (structured or not worst <= ADEQUATE_RATIO):
-        names = ", ".join(
-            dict.fromkeys(f"{name_of(j.physics)} at {j.place}" for j in undecided[:3])
-        )
-        return Verdict.CANNOT_TELL, (
-            f"These recordings do not decide: {names} would help, but not reliably on "
-            "data that were left out."
-        )
-    if checked is not None and structured and worst <= ADEQUATE_RATIO:
-        most = max(checked.dependences, key=lambda one: one.share)
-        return Verdict.CANNOT_TELL, (
-            f"What the model leaves follows {most.variable} at {most.place} "
-            f"({100 * most.share:.2g} % of it), and none of the {first.tried} "
-            "candidates explains that reliably on data that were left out: physics "
-            "that no law tried here describes, or noise that a closed loop feeds back."
-        )
-    if worst > ADEQUATE_RATIO:
-        return Verdict.UNEXPLAINED, (
-            f"The residual is {_times(worst)} the measurement noise, and none of the "
-            f"{first.tried} candidates explains it on data that were left out."
-        )
-    return Verdict.ADEQUATE, (
-        "Nothing is missing that these recordings could show: "
-        f"{_residual_words(worst)}{_tried_words(first.tried)}."
-    )
+    return without_findings(base, floor, first, checked)
 
 
 def _more_missing(remaining: float) -> str:
@@ -129,31 +64,6 @@ def _more_missing(remaining: float) -> str:
         f" {100 * remaining:.0f} % of the error on left-out data remains: something is "
         "missing beside it, or it only comes near to what is."
     )
-
-
-def _large_and_slow(
-    base: FittedModel, floor: Mapping[str, float], checked: Adequacy | None
-) -> str | None:
-    """Return what to say of a residual too large for noise that follows nothing."""
-    if checked is None or checked.status is not AdequacyStatus.COLOURED:
-        return None
-    worst = too_large(base, floor)
-    if worst is None:
-        return None
-    share = residual_over_spread(base)[worst]
-    ratio = residual_over_noise(base, floor)[worst]
-    return (
-        f"The residual of {worst} is {100 * share:.0f} % of what it varies by "
-        f"and {_times(ratio)} its noise, yet it follows nothing that the "
-        "machine is seen to do: an input that was not recorded, or physics with a "
-        "memory that these channels do not show."
-    )
-
-
-def _is_trace(checked: Adequacy) -> bool:
-    """Return whether what the model leaves hardly follows the machine, if surely."""
-    surely = checked.status is AdequacyStatus.STRUCTURE
-    return surely and all(one.share < TRACE for one in checked.dependences)
 
 
 def with_values(
@@ -277,22 +187,3 @@ def not_simulated(verdict: Verdict, statement: str) -> tuple[Verdict, str]:
     )
     physics = verdict is Verdict.PHYSICS_MISSING
     return (Verdict.UNEXPLAINED if physics else verdict), told
-
-
-def _residual_words(ratio: float) -> str:
-    if np.isnan(ratio):
-        return "the noise of a steady table is not known"
-    return f"the residual is {_times(ratio)} the measurement noise"
-
-
-def _times(ratio: float) -> str:
-    return f"{ratio:.1f} times" if ratio < MANY else f"more than {MANY} times"
-
-
-def _tried_words(tried: int) -> str:
-    if not tried:
-        return ", and no more than noise is left to explain"
-    return (
-        f", and none of {tried} candidates improves the prediction of data that were "
-        "left out"
-    )

@@ -60,18 +60,20 @@ class Known:
     noise: Array
     options: Options
 
-    def fitted_whole(self, base: FittedModel) -> FittedModel:
-        """Return the base model fitted to whole recordings, as far as it can be."""
-        if base.problem.shots.n_windows <= len(self.recordings):
+    @property
+    def settings(self) -> FitSettings:
+        """Of further looks: over whole recordings, unless a window is asked for."""
+        own = self.options.settings
+        automatic = isinstance(own.horizon, Automatic)
+        return replace(own, horizon=WholeRecordings()) if automatic else own
+
+    def fitted_again(self, base: FittedModel) -> FittedModel:
+        """Return the base model fitted as for further looks, as far as it can be."""
+        fits = self.settings.horizon == WholeRecordings()
+        windowed = base.problem.shots.n_windows > len(self.recordings)
+        if not (fits and windowed):
             return base
         return self._fitted(self.graph) or base
-
-    def over_whole(
-        self, base: FittedModel, long: FittedModel
-    ) -> tuple[FittedModel, ...]:
-        """Return the fit to whole recordings, where automatic windows were cut."""
-        automatic = isinstance(self.options.settings.horizon, Automatic)
-        return (long,) if automatic and long is not base else ()
 
     def as_stated(self, long: FittedModel) -> tuple[FittedModel, ...]:
         """Return the fit with what has run away held to its stated value, weakly."""
@@ -100,8 +102,9 @@ class Known:
         return sharpened(replace(final, graph=free), self.recordings, self.options)
 
     def _fitted(self, graph: FinishedGraph) -> FittedModel | None:
-        settings = replace(self.options.settings, horizon=WholeRecordings())
         try:
-            return base_fit(graph, self.recordings, settings, self.noise, self.options)
+            return base_fit(
+                graph, self.recordings, self.settings, self.noise, self.options
+            )
         except FitError:
             return None

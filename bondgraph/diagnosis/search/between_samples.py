@@ -43,7 +43,7 @@ def fitted_either_way(
     Where both fit alike, held if they stay the same from most samples to the next: so
     does a command that goes in steps.
     """
-    if _in_steps(recordings):
+    if recordings[0].input_names and _in_steps(recordings):
         settings = replace(settings, hold=Hold.ZERO)
     own = fit_model(graph, recordings, settings)
     if not own.problem.model.input_names or not own.problem.model.n_states:
@@ -57,8 +57,7 @@ def fitted_either_way(
 def _in_steps(recordings: Sequence[BoundRecording]) -> bool:
     """Return whether all inputs stay the same from most samples to the next."""
     changes = [np.diff(recording.inputs, axis=0) != 0.0 for recording in recordings]
-    changing = np.concatenate([one for one in changes if one.size] or [np.ones((1, 1))])
-    return bool((changing.mean(axis=0) < STEPS).all())
+    return bool((np.concatenate(changes).mean(axis=0) < STEPS).all())
 
 
 def finely_stepped(fitted: FittedModel, noise: Array) -> FittedModel:

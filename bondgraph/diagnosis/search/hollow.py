@@ -8,9 +8,7 @@ from none and fits as well without it, it is told as taken out again.
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from bondgraph.diagnosis.answer.found import ERRORS
+from bondgraph.diagnosis.answer.found import none_told
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.diagnosis.search.horizons import sharpened
 from bondgraph.diagnosis.search.one_round import Round, chosen_in
@@ -38,7 +36,7 @@ def without_hollow(
     for one in chosen_in(rounds):
         law = one.hypothesis
         others = [c.hypothesis for c in chosen_in(left) if c.hypothesis is not law]
-        if not others or law.physics == CURVE or not is_hollow(final, law):
+        if not others or law.physics == CURVE or not ends_as_nothing(final, law):
             continue
         try:
             plain = fitted_with(rounds[0].base, final, others, {})
@@ -51,10 +49,9 @@ def without_hollow(
     return left, final
 
 
-def is_hollow(fitted: FittedModel, law: Hypothesis) -> bool:
+def ends_as_nothing(fitted: FittedModel, law: Hypothesis) -> bool:
     """Return whether none of the numbers of a law is told from none."""
-    problem = fitted.problem
+    problem, theta = fitted.problem, fitted.optimum.theta
     std = uncertainty(problem, fitted.optimum).std
-    own = np.isin(problem.free_names, law.parameters)
-    sure = np.abs(fitted.optimum.theta) > ERRORS * std  # False where it is not known.
-    return bool(own.any()) and not bool((own & sure).any())
+    fits = zip(problem.free_names, map(float, theta), map(float, std), strict=True)
+    return none_told([(value, s) for name, value, s in fits if name in law.parameters])

@@ -29,7 +29,6 @@ from bondgraph.diagnosis.search.rounds import search
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.automatic import grows
 from bondgraph.fitting.estimate import FittedModel
-from bondgraph.fitting.horizon import WholeRecordings
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
 
@@ -102,22 +101,22 @@ def second_look(
     windowed = base.problem.shots.n_windows > len(recordings)
     if shop.limit.passed or (small and not windowed) or _explains(first, recordings):
         return first
-    settings = replace(options.settings, horizon=WholeRecordings())
-    there = graph.with_parameters(base.values)
-    if grows(there, base.problem.model, recordings, settings):
-        return first
     known = Known(graph, recordings, noise, _halved(options))
-    long = known.fitted_whole(base)
+    there = graph.with_parameters(base.values)
+    if grows(there, base.problem.model, recordings, known.settings):
+        return first
+    long = known.fitted_again(base)
     if too_large(long, noise_floor(recordings), SHOWS) is None:
         return first
     least = _whole_error(long, recordings)
     best, reached = first, min(first.error(recordings), least)
     if reached < CLEARLY * least:
         return first
-    for other in (*known.over_whole(base, long), *known.as_stated(long)):
+    others = () if long is base else (long,)
+    for other in (*others, *known.as_stated(long)):
         if shop.limit.passed:
             break
-        shop.progress("another look, over whole recordings")
+        shop.progress("another look, from another fit of the model")
         seen = look(other, recordings, noise, known.options, shop)
         seen = replace(seen, final=known.released(seen.final))
         error = seen.error(recordings)
