@@ -77,7 +77,7 @@ CASES = [
     Case("two_tanks", "ConstantBias", "upper", {"bias": 0.2}),
     Case("lamp", "ConstantBias", "mains", {"input_bias": 0.2}),
     Case("wheel", "Gravity", "shaft", {"gravity_sine": 0.5, "gravity_cosine": 0.2}),
-    Case("wheel", "Spring", "shaft", {"stiffness": 0.4, "spring_offset": 0.1}),
+    Case("wheel", "Spring", "shaft", {"stiffness": 0.4, "bias": 0.1}),
     Case("slider", "HardeningSpring", "carriage", {"cubic_stiffness": 2e4}),
     Case(
         "wheel",
@@ -94,7 +94,7 @@ CASES = [
             "cubic_stiffness": 0.1,
             "square_stiffness": -0.08,
             "stiffness": 0.4,
-            "spring_offset": 0.1,
+            "bias": 0.1,
         },
         2,
     ),

@@ -10,9 +10,11 @@ from bondgraph import BondGraph, C, I, R, Se
 from bondgraph.diagnosis.search.removal import gone_from
 from bondgraph.diagnosis.search.trying import UNSOLVED, _or_refused
 from bondgraph.errors import BondGraphError, EquationError
+from bondgraph.physics.bias import ConstantBias
 from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
+from bondgraph.physics.position import Spring
 from bondgraph.physics.unknown import Smooth, UnknownRelation
 from bondgraph.structure.parameters import Parameter
 
@@ -104,6 +106,25 @@ def test_no_law_contains_itself_and_no_two_contain_each_other():
     forms = [(a, b) for a, b in pairs if a.physics == b.physics]
     assert forms
     assert all(len(a.parameters) > len(b.parameters) for a, b in forms)
+
+
+def test_a_spring_without_stiffness_is_a_constant_bias():
+    slider = BondGraph("slider", domain="translation")
+    slider.one("slider", Se("force"), I("mass"), R("damper"))
+    slider.measure("position", displacement="slider")
+    (place,) = (p for p in all_places(slider.finish(), Scales()) if p.name == "slider")
+    (bias,) = ConstantBias().propose(place)
+    (spring,) = Spring().propose(place)
+    assert spring.contains(bias)
+    assert set(spring.strengths) - set(bias.parameters) == {"stiffness_slider"}
+    # Beside a constant source its own preload would be the same number twice.
+    (beside,) = (
+        hypothesis
+        for where in all_places(bias.apply(slider.finish()), Scales())
+        if where.name == "slider"
+        for hypothesis in Spring().propose(where)
+    )
+    assert beside.parameters == ("stiffness_slider",)
 
 
 def curves(smooth=None):

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import MECHANICAL, E, F, Place, Q
+from bondgraph.physics.places.base import MECHANICAL, Coefficient, E, F, Place, Q
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import JunctionPlace, OneJunctionPlace
 from bondgraph.structure.domains import ROTATION
@@ -26,6 +26,16 @@ def restoring(place: JunctionPlace, name: str, law: sympy.Expr) -> EffortSource:
     """
     here = {q: place.displacement_signal, f: flow(place.name)}
     return EffortSource(name, value=-law.xreplace(here))
+
+
+def at_rest(place: OneJunctionPlace) -> tuple[Coefficient, ...]:
+    """Return what a spring exerts at the origin; nothing beside a constant source.
+
+    By the name that a constant bias has: without its stiffness a spring is one.
+    """
+    if place.has_free_bias:
+        return ()
+    return (place.strength("bias", place.unit(E)),)
 
 
 class Gravity(AbstractPhysics):
@@ -67,12 +77,13 @@ class Spring(AbstractPhysics):
             return
         some = 0.2 * place.effort / place.displacement
         k = place.strength("stiffness", place.unit(E, Q), (0.0, some), low=0.0)
-        rest = place.strength("spring_offset", place.unit(E))
-        law = k.symbol * q + rest.symbol
+        own = (k, *at_rest(place))
+        law = k.symbol * q + sum(one.symbol for one in own[1:])
         element = restoring(place, place.name_of(self.word), law)
-        edit = place.insert(element, k, rest)
+        edit = place.insert(element, *own)
         words = f"{place.a(E)} proportional to {place.domain.displacement}"
-        yield self.hypothesis(place, edit, law, (k, rest), words)
+        extends = ("constant_bias",)
+        yield self.hypothesis(place, edit, law, own, words, extends=extends)
 
 
 class HardeningSpring(AbstractPhysics):
@@ -122,10 +133,10 @@ class HardeningSpring(AbstractPhysics):
         law = k.symbol * q**3 + bend.symbol * q**2
         if alone:
             slope = place.strength("stiffness", place.unit(E, Q))
-            rest = place.strength("spring_offset", place.unit(E))
-            law += slope.symbol * q + rest.symbol
-            own += [slope, rest]
-            extends.append("spring")
+            preload = at_rest(place)
+            law += slope.symbol * q + sum(one.symbol for one in preload)
+            own += [slope, *preload]
+            extends += ["spring", "constant_bias"]
         element = restoring(place, place.name_of(self.word), law)
         words = (
             f"{place.a(E)} that grows with the cube of {place.domain.displacement} "

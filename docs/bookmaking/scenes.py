@@ -177,7 +177,7 @@ SCENES: Mapping[str, Scene] = {
     "Spring": Scene(
         **{**_PUSHED, "across": "displacement(carriage)", "output": "position"},
         up="-effort(*)",
-        values={"stiffness": 6.0, "spring_offset": 0.0},
+        values={"stiffness": 6.0, "bias": 0.0},
     ),
     "HardeningSpring": Scene(
         **{**_RINGING, "drive": {"force": _swept(4.0, 3.0, 9.0, 16.0)}},

@@ -108,7 +108,7 @@ def stepwise_by_bic(base: FittedBase) -> Said:
     library = [s for s in machine.sites if not s.silent and law_of(s) not in OUTSIDE]
     chosen = Believed(base, scales_of(machine, [p.plan for p in base.train]))
     for _ in range(ENTERING):
-        ranked = _promising(chosen, [s for s in library if s not in chosen.sites])
+        ranked = _promising(chosen, [s for s in library if _may_enter(s, chosen)])
         tried = [one.refitted() for one in ranked[:REFITTED]]
         best = min(tried, key=lambda one: rms(one.residuals()), default=chosen)
         if not worth_it(chosen.residuals(), best.residuals(), len(machine.sensors)):
@@ -118,6 +118,12 @@ def stepwise_by_bic(base: FittedBase) -> Said:
     finding = (chosen.sites[0].word, chosen.sites[0].place) if chosen.sites else None
     after = chosen.residual(base.held_out)
     return Said(finding, rms(before), rms(after), len(chosen.sites))
+
+
+def _may_enter(site: Site, chosen: Believed) -> bool:
+    """Return whether it is not in yet; a machine is built in one other way at most."""
+    built = site.variant and any(one.variant for one in chosen.sites)
+    return not built and site not in chosen.sites
 
 
 def worth_it(before: Array, after: Array, outputs: int) -> bool:

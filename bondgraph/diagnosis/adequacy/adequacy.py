@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from bondgraph.diagnosis.adequacy.coloured import autoregression, correlations
 from bondgraph.diagnosis.adequacy.conclusion import conclude, too_few
-from bondgraph.diagnosis.adequacy.draws import noise_model
+from bondgraph.diagnosis.adequacy.draws import innovations_of, noise_model
+from bondgraph.diagnosis.adequacy.feedback import fed_back, without_feedback
 from bondgraph.diagnosis.adequacy.nuisance import Nuisance
 from bondgraph.diagnosis.adequacy.records import Adequacy, OutputCheck
 from bondgraph.diagnosis.adequacy.strongest import strongest
@@ -81,7 +82,10 @@ def adequacy(
     size = np.where(size > 0.0, size, 1.0)
     fine = Nuisance(chain, 1.0 / size, models, plain.sensitivities)
     both = (plain, fine)
-    found, p_value = strongest(fitted, chain, residual, both, noise, draws, random)
+    driven = chain
+    if fed_back(chain, innovations_of(models, cleaned, edges)):
+        driven = without_feedback(chain, cleaned, fitted.problem.model.input_names)
+    found, p_value = strongest(fitted, driven, residual, both, noise, draws, random)
     model = fitted.problem.model
     checks = tuple(
         OutputCheck(

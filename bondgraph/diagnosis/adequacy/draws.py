@@ -38,12 +38,7 @@ def noise_model(
 ) -> NoiseModel:
     """Return the noise that the residual would be if nothing were missing."""
     edges = chain.shots.edges
-    innovations = np.column_stack(
-        [
-            whitened(m, column, edges)
-            for m, column in zip(models, residual.T, strict=True)
-        ]
-    )
+    innovations = innovations_of(models, residual, edges)
     order = max(model.order for model in models)
     inner = np.ones(len(residual), dtype=bool)
     for start in edges[:-1]:
@@ -55,6 +50,18 @@ def noise_model(
         size=np.sqrt(np.mean(residual**2, axis=0)),
         steps=steps,
         outputs=chain.outputs,
+    )
+
+
+def innovations_of(
+    models: tuple[Autoregression, ...], residual: Array, edges: tuple[int, ...]
+) -> Array:
+    """Return what is new in every sample of a residual, (n, ny)."""
+    return np.column_stack(
+        [
+            whitened(m, column, edges)
+            for m, column in zip(models, residual.T, strict=True)
+        ]
     )
 
 

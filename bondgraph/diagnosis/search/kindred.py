@@ -11,9 +11,9 @@ from itertools import combinations
 
 import sympy
 
+from bondgraph.diagnosis.search.alone import fitted_alone
 from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.candidates import CURVE, Candidate, Promised
-from bondgraph.diagnosis.search.fits import fit_best
+from bondgraph.diagnosis.search.candidates import CURVE, Candidate
 from bondgraph.diagnosis.search.trying import Start, Trial, fit_briefly
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.structure.edits import SeveralEdits, SingleEdit
@@ -60,7 +60,7 @@ class Kindreds:
             if "refused" not in result and result["cost"] <= most
         )
         best = sorted(ended, key=lambda one: float(one[1]["cost"]))[:LEADING]
-        alone = _alone(bench, [law for kin, _ in best for law in kin])
+        alone = fitted_alone(bench, [law for kin, _ in best for law in kin])
         leading = (
             Kindred(alone[id(one)], alone[id(other)], Start(result["values"]))
             for (one, other), result in best
@@ -71,13 +71,6 @@ class Kindreds:
     def have(self, first: Candidate, second: Candidate) -> bool:
         """Return whether these very two are one of the pairs."""
         return any(one.first is first and one.second is second for one in self.leading)
-
-
-def _alone(bench: Bench, laws: Sequence[Hypothesis]) -> dict[int, Candidate]:
-    """Return each law as fitted alone, by the id of its hypothesis."""
-    once = {id(law): Promised(law, 1.0) for law in laws}
-    fitted = fit_best(bench, list(once.values()), 0.0, len(once))
-    return {id(one.hypothesis): one for one in fitted}
 
 
 def kindred(graph: FinishedGraph, hypotheses: Sequence[Hypothesis]) -> list[Kin]:

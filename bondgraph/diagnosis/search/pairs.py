@@ -12,11 +12,12 @@ from itertools import combinations
 from operator import attrgetter
 from typing import TypeVar
 
-from bondgraph.diagnosis.evidence.judging import first_twin
+from bondgraph.diagnosis.search.alone import Singles, one_law
 from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.candidates import CURVE, Candidate, Promised
-from bondgraph.diagnosis.search.fits import ShortFit, fit_best
+from bondgraph.diagnosis.search.candidates import Candidate, Promised
+from bondgraph.diagnosis.search.fits import ShortFit
 from bondgraph.diagnosis.search.kindred import Kindreds
+from bondgraph.diagnosis.search.partners import Couple, couples
 from bondgraph.diagnosis.search.trying import (
     Start,
     Trial,
@@ -27,12 +28,6 @@ from bondgraph.diagnosis.search.trying import (
 from bondgraph.diagnosis.work.journal import Plain
 from bondgraph.diagnosis.work.workers import Work
 from bondgraph.physics.hypothesis import Hypothesis
-
-SINGLES = 6
-"""So many laws are paired: those that help most alone."""
-
-HELPS = 0.1
-"""A law with less than this share of the best reduction is not paired."""
 
 ON_THE_WAY = 0.5
 """Of the best short fit's reduction: pairs that have come so far go on."""
@@ -79,28 +74,13 @@ class Pair:
         return self.second if one is self.first else self.first
 
 
-def singles_of(bench: Bench, promising: Sequence[Promised]) -> list[Candidate]:
-    """Return the laws to be paired: of those that say the same, the first alone."""
-    named = [
-        one
-        for one in promising
-        if one.hypothesis.physics != CURVE and not one.hypothesis.is_slip
-    ]
-    fitted = fit_best(bench, named, HELPS, 2 * SINGLES)
-    fitted.sort(key=lambda candidate: candidate.cost)
-    kinds: dict[tuple[str, str], Candidate] = {}
-    for i, one in enumerate(fitted):
-        if first_twin(i, fitted) == i and one.cost < bench.base.optimum.cost:
-            kinds.setdefault((one.hypothesis.physics, one.hypothesis.place), one)
-    return list(kinds.values())[:SINGLES]
-
-
 @dataclass(frozen=True, slots=True)
 class Pairing:
-    """Laws that help alone, and what is fitted of them two by two."""
+    """Laws that help alone or beside another, and what is fitted of them in pairs."""
 
     bench: Bench
-    singles: tuple[Candidate, ...]
+    singles: Singles
+    couples: tuple[Couple, ...]
     kin: Kindreds
     beside: Mapping[int, Bench]
 
@@ -112,21 +92,20 @@ class Pairing:
         everything: Sequence[Hypothesis],
     ) -> "Pairing":
         """Return the pairing of the laws that promise most, and of kindred ones."""
-        singles = singles_of(bench, promising)
+        singles = Singles.of(bench, promising)
         kin = Kindreds.of(bench, everything)
-        name = f"{bench.name}, two at once"
-        laws = (
-            *singles,
-            *(law for one in kin.leading for law in (one.first, one.second)),
-        )
-        beside = {id(one): Bench.of(one.fitted, bench.shop, name) for one in laws}
-        return cls(bench, tuple(singles), kin, beside)
+        kindred = (law for one in kin.leading for law in (one.first, one.second))
+        beside = _benches(bench, (*singles.leading, *kindred))
+        found = couples(bench, beside, singles.leading, everything)
+        beside |= _benches(bench, [one.partner for one in found])
+        return cls(bench, singles, tuple(found), kin, beside)
 
     def best(self, most: int) -> list[Pair]:
         """Return the pairs that leave least, `most` at most, fitted to the end."""
+        couples = ((one.single, one.partner) for one in self.couples)
         begun = [
             start
-            for one, other in combinations(self.singles, 2)
+            for one, other in (*combinations(self.singles.leading, 2), *couples)
             for start in self._begun(one, other, _from_either(one, other))
         ]
         for kin in self.kin.leading:
@@ -150,20 +129,31 @@ class Pairing:
 
     def exchanged(self, pair: Pair) -> list[Pair]:
         """Return pairs with another law in place of either, from where it ended."""
+        either = (pair.first, pair.second)
+        others = [
+            (kept, other)
+            for kept, given_up in (either, either[::-1])
+            for other in self._instead_of(given_up)
+            if not pair.has(other)
+        ]
         begun = [
             start
-            for kept in (pair.first, pair.second)
-            for other in self.singles
-            if not pair.has(other)
+            for kept, other in others
             for start in self._begun(kept, other, _from_either(pair.both, other)[:1])
         ]
         return self._ended(_leading(begun, self.bench.few.optimum.cost, HOPELESS))
+
+    def _instead_of(self, given_up: Candidate) -> list[Candidate]:
+        """Return the laws that help most, what says the same, and what is narrower."""
+        leading, like = self.singles.leading, self.singles.like(given_up)
+        known = {id(one) for one in leading}
+        return [*leading, *(one for one in like if id(one) not in known)]
 
     def _begun(
         self, one: Candidate, other: Candidate, starts: Sequence[tuple[Start, ...]]
     ) -> list["_Begun"]:
         """Return short fits of the other beside the one."""
-        if _one_law(one, other):
+        if one_law(one.hypothesis, other.hypothesis):
             return []
         trials = [Trial(other.hypothesis, some) for some in starts]
         results = self.beside[id(one)].run(fit_briefly, trials, "short fits", few=True)
@@ -192,19 +182,18 @@ class Pairing:
         return sorted(found, key=attrgetter("cost"))
 
 
+def _benches(bench: Bench, laws: Iterable[Candidate]) -> dict[int, Bench]:
+    """Return for the id of each law the bench whose base model has it."""
+    name = f"{bench.name}, two at once"
+    return {id(one): Bench.of(one.fitted, bench.shop, name) for one in laws}
+
+
 def _from_either(one: Candidate, other: Candidate) -> list[tuple[Start, ...]]:
     """Return starts where one has ended, with the other's own, and the reverse."""
     return [
         tuple(Start({**own, **known.fitted.values}) for own in law.hypothesis.starts)
         for known, law in ((one, other), (other, one))
     ]
-
-
-def _one_law(one: Candidate, other: Candidate) -> bool:
-    """Return whether both are forms of one law at one place."""
-    a, b = one.hypothesis, other.hypothesis
-    same = a.physics == b.physics or a.contains(b) or b.contains(a)
-    return a.place == b.place and same
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,77 @@
+"""Partners: what promises most beside a law that helps alone, though alone it may not.
+
+A limit that a drive reaches in a few samples leaves nothing to see where dry friction
+bends every number of the model. So the whole library is screened once more beside each
+of the laws that help most, and what promises most there is paired with that law.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from operator import itemgetter
+
+from bondgraph.diagnosis.search.alone import fitted_alone, one_law
+from bondgraph.diagnosis.search.bench import Bench
+from bondgraph.diagnosis.search.candidates import CURVE, Candidate, Promised
+from bondgraph.diagnosis.search.screening import screen
+from bondgraph.physics.hypothesis import Hypothesis
+
+MOST = 10
+"""So many couples are fitted: those that promise to leave least."""
+
+PROMISES = 0.25
+"""A partner that promises less of what the law leaves is none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Couple:
+    """A law that helps alone, and one that promises most beside it, fitted alone."""
+
+    single: Candidate
+    partner: Candidate
+
+
+def couples(
+    bench: Bench,
+    beside: Mapping[int, Bench],
+    singles: Sequence[Candidate],
+    everything: Sequence[Hypothesis],
+) -> list[Couple]:
+    """Return the laws that help most, each with what promises most beside it.
+
+    Parameters
+    ----------
+    beside
+        For the id of each single law the bench whose base model has it.
+    singles
+        Laws that help alone, the best first: two of these are paired anyway.
+    everything
+        What the library proposes for the model without them.
+    """
+    known = {id(one.hypothesis) for one in singles}
+    named = [law for law in everything if _is_new(law, known)]
+    wanted = [
+        ((1.0 - promised.reduction) * single.cost, single, promised.hypothesis)
+        for single in singles
+        for promised in _promising(beside[id(single)], single, named)
+    ]
+    best = sorted(wanted, key=itemgetter(0))[:MOST]
+    alone = fitted_alone(bench, [law for _, _, law in best])
+    return [
+        Couple(single, alone[id(law)]) for _, single, law in best if id(law) in alone
+    ]
+
+
+def _promising(
+    bench: Bench, single: Candidate, laws: Sequence[Hypothesis]
+) -> list[Promised]:
+    """Return what promises enough beside a law, each physics at a place once."""
+    others = [law for law in laws if not one_law(single.hypothesis, law)]
+    found: dict[tuple[str, str], Promised] = {}
+    for one in screen(bench, others).promised:
+        if one.reduction >= PROMISES:
+            found.setdefault((one.hypothesis.physics, one.hypothesis.place), one)
+    return list(found.values())
+
+
+def _is_new(law: Hypothesis, known: set[int]) -> bool:
+    return law.physics != CURVE and not law.is_slip and id(law) not in known
