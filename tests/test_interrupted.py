@@ -231,9 +231,15 @@ def killing_once(marker, item):
     return {"value": 1.0 / item}
 
 
-def killing_always(common, item):
+def killing_always(folder, item):
+    """Divide; but whatever process gets the item 5 is killed, after the others."""
     if item == 5:
+        deadline = time.monotonic() + 10.0
+        while len(os.listdir(folder)) < 3 and time.monotonic() < deadline:
+            time.sleep(0.01)
+        time.sleep(0.5)  # What they have worked out is on its way.
         os.kill(os.getpid(), signal.SIGKILL)
+    open(os.path.join(folder, str(item)), "w").close()
     return {"value": 1.0 / item}
 
 
@@ -260,8 +266,12 @@ def test_lost_and_ended_processes(tmp_path, monkeypatch):
         assert sum("starting another" in sentence for sentence in heard) == 1
         keys = [f"who {item}" for item in ITEMS]
         told = shop.each(process, None, ITEMS, keys, "asking")
+        folder = tmp_path / "done"
+        folder.mkdir()
         with pytest.raises(BondGraphError, match="2 times in a row"):
-            shop.each(killing_always, None, [4, 5, 6, 7], list("abcd"), "dividing")
+            shop.each(
+                killing_always, str(folder), [4, 5, 6, 7], list("abcd"), "dividing"
+            )
         assert {"a", "c", "d"} <= journal._known.keys()
         shop.close(now=True)
         theirs = {result["process"] for result in told} - {os.getpid()}
