@@ -110,3 +110,9 @@ def test_friction_in_a_loop_is_structure():
     found = checked(recorded(5, friction=FRICTION), 300)
     assert found.status is AdequacyStatus.STRUCTURE
     assert max(one.share for one in found.dependences) > 0.5
+
+
+def test_few_samples_are_checked_as_they_are():
+    # Sixty are too few to estimate what a controller answers to.
+    found = checked(recorded(5, friction=FRICTION, samples=60), 60)
+    assert found.draws > 0

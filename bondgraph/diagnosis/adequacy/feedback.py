@@ -13,15 +13,20 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.adequacy.coloured import STABLE, chosen_order, reflections
+from bondgraph.diagnosis.adequacy.coloured import (
+    WHITE,
+    Autoregression,
+    chosen_order,
+    correlations,
+    reflections,
+    whitened,
+)
 from bondgraph.diagnosis.virtual.chain import Chain
-from bondgraph.fitting.autoregression import autocovariance, levinson
 
 Array = NDArray[np.float64]
 LAGS = 4
 """So many samples later than a reading a controller's answer to it is looked for."""
 
-MOST_ORDER = 20
 SURELY = 4.0
 """Standard errors from no correlation, of a few pairs of channels and lags."""
 
@@ -29,8 +34,10 @@ ANSWERS = 100
 """For so many samples a controlled machine answers to one reading, at most."""
 
 SAMPLES_PER_LAG = 20
-COLOUR = 10
-"""Order of the autoregression that an input's own colour is taken for."""
+"""Of every answer that is estimated; of fewer samples nothing is said."""
+
+COLOUR = 20
+"""Order of the autoregression that an input by itself is taken for, at most."""
 
 REPEATS = 3
 LEADS = 1.5
@@ -45,7 +52,10 @@ def fed_back(chain: Chain, innovations: Array) -> bool:
     innovations
         Of the residual, (n, ny), as `whitened` gives them.
     """
-    commanded = [_news(u, chain) for u in chain.shots.inputs.T if np.ptp(u) > 0.0]
+    if len(innovations) < SAMPLES_PER_LAG * LAGS:
+        return False
+    edges = chain.shots.edges
+    commanded = [_news(u, edges) for u in chain.shots.inputs.T if np.ptp(u) > 0.0]
     return any(
         _leads(read, news, chain)
         for read in innovations.T
@@ -91,42 +101,33 @@ def _unanswered(commanded: Array, late: Array) -> Array:
 
     Whitened by its own colour: the reference that it follows is the noise of this fit.
     """
-    from scipy.signal import lfilter  # noqa: PLC0415
-
     if not np.ptp(commanded) > 0.0:
         return commanded
+    whole = (0, len(commanded))
     left = commanded - commanded.mean()
-    answer = np.zeros(late.shape[1])
+    answer: Array = np.zeros(late.shape[1])
     for _ in range(REPEATS):
-        rest = left - late @ answer
-        covariance = autocovariance(rest, (0, len(rest)), COLOUR)
-        past = list(levinson(covariance, largest=STABLE))[-1].coefficients
-        whiten = np.concatenate([[1.0], -past])
-        news = lfilter(whiten, [1.0], left)[COLOUR:]
-        seen = lfilter(whiten, [1.0], late, axis=0)[COLOUR:]
-        answer = np.linalg.lstsq(seen, news, rcond=None)[0]
+        own = _colour(left - late @ answer, whole)
+        news, seen = (whitened(own, values, whole) for values in (left, late))
+        fitted = np.linalg.lstsq(seen, news, rcond=None)[0]
+        answer = np.asarray(fitted, dtype=np.float64)
     unanswered: Array = commanded - late @ answer
     return unanswered
 
 
-def _news(values: Array, chain: Chain) -> Array:
+def _news(values: Array, edges: tuple[int, ...]) -> Array:
     """Return what an input's past does not tell of it; zero where a window begins."""
-    edges = chain.shots.edges
     centred = values - values.mean()
-    covariance = autocovariance(centred, edges, MOST_ORDER)
-    if not covariance[0] > 0.0:
-        return np.zeros_like(values)
-    _, left = reflections(covariance / covariance[0])
-    order = chosen_order(left, len(values))
-    news: Array = centred.copy()
-    if order:
-        orders = list(levinson(covariance, largest=1.0))
-        past = orders[min(order, len(orders)) - 1].coefficients
-        for lag, coefficient in enumerate(past, start=1):
-            news[lag:] -= coefficient * centred[:-lag]
-    for start in edges[:-1]:
-        news[start : start + order] = 0.0
-    return news
+    return whitened(_colour(centred, edges), centred, edges)
+
+
+def _colour(values: Array, edges: tuple[int, ...]) -> Autoregression:
+    """Return the autoregression that a signal is by itself; white where it is none."""
+    if not np.any(values):
+        return WHITE
+    found, left = reflections(correlations(values, edges, COLOUR))
+    own = found[: chosen_order(left, len(values))]
+    return Autoregression(own, np.zeros_like(own))
 
 
 def _leads(read: Array, news: Array, chain: Chain) -> bool:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from bondgraph.diagnosis.evidence.judging import first_twin
 from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.candidates import CURVE, Candidate, Promised
+from bondgraph.diagnosis.search.candidates import Candidate, Promised, is_named
 from bondgraph.diagnosis.search.fits import fit_best
 from bondgraph.diagnosis.search.trying import Trial, fit_fully
 from bondgraph.physics.hypothesis import Hypothesis
@@ -35,11 +35,7 @@ class Singles:
     @classmethod
     def of(cls, bench: Bench, promising: Sequence[Promised]) -> "Singles":
         """Return those of the laws that promise most."""
-        named = [
-            one
-            for one in promising
-            if one.hypothesis.physics != CURVE and not one.hypothesis.is_slip
-        ]
+        named = [one for one in promising if is_named(one.hypothesis)]
         fitted = fit_best(bench, named, HELPS, 2 * MOST)
         fitted.sort(key=lambda candidate: candidate.cost)
         kinds: dict[tuple[str, str], Candidate] = {}

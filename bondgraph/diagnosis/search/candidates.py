@@ -61,6 +61,11 @@ class Screened:
     independent: float
 
 
+def is_named(law: Hypothesis) -> bool:
+    """Return whether it is a law with a name and a number: neither curve nor slip."""
+    return law.physics != CURVE and not law.is_slip
+
+
 def propose_all(
     base: FittedModel, library: Sequence[AbstractPhysics]
 ) -> tuple[Hypothesis, ...]:

@@ -13,7 +13,7 @@ import sympy
 
 from bondgraph.diagnosis.search.alone import fitted_alone
 from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.candidates import CURVE, Candidate
+from bondgraph.diagnosis.search.candidates import Candidate, is_named
 from bondgraph.diagnosis.search.trying import Start, Trial, fit_briefly
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.structure.edits import SeveralEdits, SingleEdit
@@ -77,7 +77,7 @@ def kindred(graph: FinishedGraph, hypotheses: Sequence[Hypothesis]) -> list[Kin]
     """Return the pairs of one law at two places of `graph` that are built alike."""
     like: dict[object, list[Hypothesis]] = {}
     for one in hypotheses:
-        if one.physics != CURVE and not one.is_slip:
+        if is_named(one):
             like.setdefault(_kind(graph, one), []).append(one)
     found = [
         (one, other)

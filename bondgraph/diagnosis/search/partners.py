@@ -11,7 +11,7 @@ from operator import itemgetter
 
 from bondgraph.diagnosis.search.alone import fitted_alone, one_law
 from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.candidates import CURVE, Candidate, Promised
+from bondgraph.diagnosis.search.candidates import Candidate, Promised, is_named
 from bondgraph.diagnosis.search.screening import screen
 from bondgraph.physics.hypothesis import Hypothesis
 
@@ -48,7 +48,7 @@ def couples(
         What the library proposes for the model without them.
     """
     known = {id(one.hypothesis) for one in singles}
-    named = [law for law in everything if _is_new(law, known)]
+    named = [law for law in everything if is_named(law) and id(law) not in known]
     wanted = [
         ((1.0 - promised.reduction) * single.cost, single, promised.hypothesis)
         for single in singles
@@ -71,7 +71,3 @@ def _promising(
         if one.reduction >= PROMISES:
             found.setdefault((one.hypothesis.physics, one.hypothesis.place), one)
     return list(found.values())
-
-
-def _is_new(law: Hypothesis, known: set[int]) -> bool:
-    return law.physics != CURVE and not law.is_slip and id(law) not in known
