@@ -7,6 +7,8 @@ import pytest
 from rubbing_slider import proposed, slider
 
 from bondgraph import Recording, bind_to
+from bondgraph.diagnosis.search import hollow
+from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.hollow import ends_as_nothing, without_hollow
 from bondgraph.diagnosis.search.one_round import Round, accepted
 from bondgraph.diagnosis.search.options import Options
@@ -35,16 +37,22 @@ def searched(friction):
     start = {**rub.starts[0], **drag.starts[-1]}
     final = fitted_with(base, rubbing, [rub, drag], start)
     rounds = [
-        Round(fitted, chosen=SimpleNamespace(candidate=SimpleNamespace(hypothesis=law)))
-        for fitted, law in ((base, rub), (rubbing, drag))
+        Round(before, chosen=SimpleNamespace(candidate=Candidate(law, after, 1)))
+        for before, law, after in ((base, rub, rubbing), (rubbing, drag, final))
     ]
     return [*rounds, Round(final)], final, [run], rub, drag
 
 
+def candidates(rounds):
+    """Return what the rounds have chosen."""
+    return [one.chosen.candidate for one in rounds if one.chosen is not None]
+
+
 def test_a_law_that_came_first_and_ends_as_nothing_is_taken_out():
     rounds, final, runs, rub, drag = searched(0.0)
-    assert ends_as_nothing(final, rub)
-    assert not ends_as_nothing(final, drag)
+    first, second = candidates(rounds)
+    assert ends_as_nothing(final, first)
+    assert not ends_as_nothing(final, second)
     left, without = without_hollow(rounds, final, runs, Options())
     assert [one.chosen.candidate.hypothesis for one in accepted(left)] == [drag]
     assert left[-1].removed == (rub,)
@@ -54,15 +62,36 @@ def test_a_law_that_came_first_and_ends_as_nothing_is_taken_out():
 
 
 def test_laws_that_are_there_stay():
-    rounds, final, runs, rub, _ = searched(0.4)
-    assert not ends_as_nothing(final, rub)
+    rounds, final, runs, _, _ = searched(0.4)
+    assert not ends_as_nothing(final, candidates(rounds)[0])
     left, same = without_hollow(rounds, final, runs, Options())
     assert left == rounds
     assert same is final
 
 
 def test_the_only_finding_stays_and_is_told_as_it_is():
-    rounds, final, runs, rub, _ = searched(0.0)
+    rounds, final, runs, _, _ = searched(0.0)
     alone = [rounds[0], Round(final)]
-    assert ends_as_nothing(final, rub)
+    assert ends_as_nothing(final, candidates(alone)[0])
     assert without_hollow(alone, final, runs, Options())[0] == alone
+
+
+@pytest.mark.parametrize(("size", "nothing"), [(1e-16, True), (0.03, False)])
+def test_a_law_without_strength_is_nothing_whatever_form_it_keeps(
+    monkeypatch, size, nothing
+):
+    # Hysteresis without a force, and a share of it that would be told well.
+    law = SimpleNamespace(
+        parameters=("size", "share"), strengths=("size",), physics="", place=""
+    )
+    found = SimpleNamespace(
+        hypothesis=law, fitted=SimpleNamespace(values={"size": 0.05, "share": 0.6})
+    )
+    final = SimpleNamespace(
+        problem=SimpleNamespace(free_names=("size", "share")),
+        optimum=SimpleNamespace(theta=np.array([size, 0.5])),
+        values={"size": size, "share": 0.5},
+    )
+    std = SimpleNamespace(std=np.array([4e-12, 0.09]))
+    monkeypatch.setattr(hollow, "uncertainty", lambda *_: std)
+    assert ends_as_nothing(final, found) is nothing

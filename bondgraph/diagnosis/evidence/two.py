@@ -23,7 +23,7 @@ from bondgraph.diagnosis.evidence.judging import errors_of
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, left_out_errors
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.pairs import Pair
+from bondgraph.diagnosis.search.pair_fits import Pair
 
 Array = NDArray[np.float64]
 WORTH = 0.5

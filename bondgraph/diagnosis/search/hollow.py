@@ -9,16 +9,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from bondgraph.diagnosis.answer.found import none_told
-from bondgraph.diagnosis.search.candidates import CURVE
+from bondgraph.diagnosis.search.candidates import CURVE, Candidate
 from bondgraph.diagnosis.search.horizons import sharpened
 from bondgraph.diagnosis.search.one_round import Round, chosen_in
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.plainer import as_good
-from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.diagnosis.search.removal import fitted_with, gone_from
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.uncertainty import uncertainty
-from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.recordings.binding import BoundRecording
 
 
@@ -36,7 +35,7 @@ def without_hollow(
     for one in chosen_in(rounds):
         law = one.hypothesis
         others = [c.hypothesis for c in chosen_in(left) if c.hypothesis is not law]
-        if not others or law.physics == CURVE or not ends_as_nothing(final, law):
+        if not others or law.physics == CURVE or not ends_as_nothing(final, one):
             continue
         try:
             plain = fitted_with(rounds[0].base, final, others, {})
@@ -49,9 +48,18 @@ def without_hollow(
     return left, final
 
 
-def ends_as_nothing(fitted: FittedModel, law: Hypothesis) -> bool:
-    """Return whether none of the numbers of a law is told from none."""
-    problem, theta = fitted.problem, fitted.optimum.theta
-    std = uncertainty(problem, fitted.optimum).std
-    fits = zip(problem.free_names, map(float, theta), map(float, std), strict=True)
-    return none_told([(value, s) for name, value, s in fits if name in law.parameters])
+def ends_as_nothing(final: FittedModel, found: Candidate) -> bool:
+    """Return whether a law has no number in the final fit, or no strength left there.
+
+    A form that stays, the share of a hysteresis that is none, is not a number of it.
+    """
+    problem, theta = final.problem, final.optimum.theta
+    stds = dict(
+        zip(problem.free_names, uncertainty(problem, final.optimum).std, strict=True)
+    )
+    fits = zip(problem.free_names, map(float, theta), strict=True)
+    own = found.hypothesis.parameters
+    if none_told([(value, float(stds[name])) for name, value in fits if name in own]):
+        return True
+    was, now = found.fitted.values, final.values
+    return gone_from(was, now, stds, [found.hypothesis], {}) is not None

@@ -48,11 +48,11 @@ def couples(
         What the library proposes for the model without them.
     """
     known = {id(one.hypothesis) for one in singles}
-    named = [law for law in everything if is_named(law) and id(law) not in known]
+    others = [law for law in everything if id(law) not in known]
     wanted = [
         ((1.0 - promised.reduction) * single.cost, single, promised.hypothesis)
         for single in singles
-        for promised in _promising(beside[id(single)], single, named)
+        for promised in promising_beside(beside[id(single)], single, others)
     ]
     best = sorted(wanted, key=itemgetter(0))[:MOST]
     alone = fitted_alone(bench, [law for _, _, law in best])
@@ -61,13 +61,21 @@ def couples(
     ]
 
 
-def _promising(
-    bench: Bench, single: Candidate, laws: Sequence[Hypothesis]
+def promising_beside(
+    bench: Bench, law: Candidate, others: Sequence[Hypothesis]
 ) -> list[Promised]:
-    """Return what promises enough beside a law, each physics at a place once."""
-    others = [law for law in laws if not one_law(single.hypothesis, law)]
+    """Return what promises enough beside a law, each physics at a place once.
+
+    Parameters
+    ----------
+    bench
+        Whose base model has the law.
+    """
+    named = [
+        one for one in others if is_named(one) and not one_law(law.hypothesis, one)
+    ]
     found: dict[tuple[str, str], Promised] = {}
-    for one in screen(bench, others).promised:
+    for one in screen(bench, named).promised:
         if one.reduction >= PROMISES:
             found.setdefault((one.hypothesis.physics, one.hypothesis.place), one)
     return list(found.values())

@@ -26,7 +26,9 @@ from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.beyond_noise import explainable
 from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.one_round import MUCH, Round, Setting, promising
-from bondgraph.diagnosis.search.pairs import Pair, Pairing, best_of_each
+from bondgraph.diagnosis.search.pair_fits import Pair, best_of_each
+from bondgraph.diagnosis.search.pairs import Pairing
+from bondgraph.diagnosis.search.stand_ins import instead_of
 from bondgraph.diagnosis.search.worth import holds_for_whole, worth_judging
 from bondgraph.diagnosis.work.workers import Workshop
 
@@ -51,7 +53,7 @@ def two_rounds(setting: Setting, found: Round, shop: Workshop) -> tuple[Round, .
     if not pairs:
         return ()
     chunks = _chunks(found, pairs)
-    seen = PairErrors.of(bench, pairing.beside, pairs, setting.noise, chunks)
+    seen = PairErrors.of(bench, pairing.fits.beside, pairs, setting.noise, chunks)
     judged = [
         judge_pair(pair, seen, pairing.rivals(pair, found.independent), rule)
         for pair in pairs
@@ -126,12 +128,9 @@ def _round(
         How many times larger all errors are taken.
     """
     partner = chosen.pair.without(own)
-    told = {
-        id(one): _told(one, partner, times)
-        for one in supported
-        if one.pair.has(partner)
-    }
-    judged, added = tuple(told.values()), told[id(chosen)]
+    added = _told(chosen, partner, times)
+    others = instead_of(own, chosen, supported)
+    judged = (added, *(_told(one, beside, times) for one, beside in others))
     alone = _enlarged(seen.alone[id(partner)], times)
     sure = probability(added, judged, alone, rule)
     return replace(
