@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from bondgraph import BondGraph, R, Recording, Sf, bind_to
-from bondgraph.diagnosis.answer.found import nearest, remaining
+from bondgraph.diagnosis.answer.doubt import remaining
+from bondgraph.diagnosis.answer.found import nearest
 from bondgraph.diagnosis.evidence.decision import Rule, judge
 from bondgraph.diagnosis.evidence.left_out import chunk_count, left_out_errors
 from bondgraph.diagnosis.probing import measure_scales

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.evidence.two import JudgedPair
 from bondgraph.diagnosis.search.pair_fits import Pair
@@ -29,19 +30,19 @@ def test_a_twin_beside_a_twin_is_told_for_each():
     chosen = judged(LAG, LOSS, 1.0)
     twins = [judged(LAG, GLOW, 1.0), judged(GLOW, DELAY, 1.0)]
     supported = [chosen, *twins]
-    assert named(instead_of(LAG, chosen, supported)) == {"delay": "glow"}
-    assert named(instead_of(LOSS, chosen, supported)) == {"glow": "lag"}
+    assert named(instead_of(LAG, chosen, supported, Rule())) == {"delay": "glow"}
+    assert named(instead_of(LOSS, chosen, supported, Rule())) == {"glow": "lag"}
 
 
 def test_what_does_worse_beside_the_very_partner_stays_on_record():
     chosen = judged(LAG, LOSS, 1.0)
     supported = [chosen, judged(LAG, BENT, 9.0), judged(BENT, DELAY, 9.0)]
-    assert named(instead_of(LOSS, chosen, supported)) == {"bent": "lag"}
-    assert named(instead_of(LAG, chosen, supported)) == {}
+    assert named(instead_of(LOSS, chosen, supported, Rule())) == {"bent": "lag"}
+    assert named(instead_of(LAG, chosen, supported, Rule())) == {}
 
 
 def test_of_three_alike_each_may_stand_for_either():
     chosen = judged(LAG, LOSS, 1.0)
     supported = [chosen, judged(LOSS, GLOW, 1.0), judged(LAG, GLOW, 1.0)]
-    assert named(instead_of(LAG, chosen, supported)) == {"glow": "loss"}
-    assert named(instead_of(LOSS, chosen, supported)) == {"glow": "lag"}
+    assert named(instead_of(LAG, chosen, supported, Rule())) == {"glow": "loss"}
+    assert named(instead_of(LOSS, chosen, supported, Rule())) == {"glow": "lag"}

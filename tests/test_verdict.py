@@ -8,7 +8,7 @@ import pytest
 from handmade_diagnosis import cart_diagnosis
 
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
-from bondgraph.diagnosis.answer.found import doubted
+from bondgraph.diagnosis.answer.doubt import doubted
 from bondgraph.diagnosis.answer.leftover import excusable
 from bondgraph.diagnosis.answer.notes import notes_on
 from bondgraph.diagnosis.answer.telling import left_of_whole
@@ -196,7 +196,9 @@ def test_a_curve_that_makes_held_out_data_worse_says_so_too():
     assert "does not carry over" in statement
 
 
-@pytest.mark.parametrize(("left", "believed"), [(0.05, 1.0), (0.4, 0.6), (3.0, 0.0)])
+@pytest.mark.parametrize(
+    ("left", "believed"), [(0.005, 1.0), (0.04, 0.8), (0.36, 0.4), (3.0, 0.0)]
+)
 def test_what_remains_beside_findings_counts_against_each(left, believed):
     (finding, *_) = cart_diagnosis().findings
     both = [replace(finding, probability=stated) for stated in (0.8, None)]

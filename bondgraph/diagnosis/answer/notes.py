@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any
 
-from bondgraph.diagnosis.answer.found import wider_than_chosen
+from bondgraph.diagnosis.answer.evidence_shown import wider_than_chosen
 from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.search.one_round import Round

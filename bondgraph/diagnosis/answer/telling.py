@@ -4,12 +4,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from bondgraph.diagnosis.answer.concluding import concluded
-from bondgraph.diagnosis.answer.found import (
-    all_evidence,
-    doubted,
-    findings_of,
-    remaining,
-)
+from bondgraph.diagnosis.answer.doubt import doubted, remaining
+from bondgraph.diagnosis.answer.evidence_shown import all_evidence
+from bondgraph.diagnosis.answer.found import findings_of
 from bondgraph.diagnosis.answer.leftover import noise_floor
 from bondgraph.diagnosis.answer.look_alikes import look_alikes
 from bondgraph.diagnosis.answer.notes import notes_on, provenance
@@ -48,7 +45,7 @@ def answer(
     base = rounds[0].base
     before, after = report(base, graph, recordings), report(final, graph, recordings)
     made = accepted(rounds)
-    told, others = findings_of(made, after, held_out, options)
+    told, others = findings_of(rounds, after, held_out, options)
     trained = _comparison(base, final, recordings)
     shown = _comparison(base, final, held_out)
     left = remaining(rounds, noise_floor(recordings))

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from bondgraph.diagnosis.adequacy.records import Adequacy
-from bondgraph.diagnosis.answer.found import ERRORS, MUCH_REMAINING, is_hollow
+from bondgraph.diagnosis.answer.doubt import ERRORS, MUCH_REMAINING, is_hollow
 from bondgraph.diagnosis.answer.nothing_found import without_findings
 from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.evidence.decision import Rule

@@ -8,7 +8,7 @@ from none and fits as well without it, it is told as taken out again.
 from collections.abc import Sequence
 from dataclasses import replace
 
-from bondgraph.diagnosis.answer.found import none_told
+from bondgraph.diagnosis.answer.doubt import none_told
 from bondgraph.diagnosis.search.candidates import CURVE, Candidate
 from bondgraph.diagnosis.search.horizons import sharpened
 from bondgraph.diagnosis.search.one_round import Round, chosen_in

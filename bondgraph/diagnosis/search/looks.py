@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.answer.found import MUCH_REMAINING, remaining
+from bondgraph.diagnosis.answer.doubt import MUCH_REMAINING, remaining
 from bondgraph.diagnosis.answer.leftover import noise_floor, too_large
 from bondgraph.diagnosis.answer.showing import simulate_whole
 from bondgraph.diagnosis.search.beginnings import Known

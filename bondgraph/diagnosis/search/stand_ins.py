@@ -6,13 +6,13 @@ the pairs that do as well lead from one to the other.
 
 from collections.abc import Sequence
 
-from bondgraph.diagnosis.evidence.decision import alike
+from bondgraph.diagnosis.evidence.decision import Rule, clearly_better
 from bondgraph.diagnosis.evidence.two import JudgedPair
 from bondgraph.diagnosis.search.candidates import Candidate
 
 
 def instead_of(
-    own: Candidate, chosen: JudgedPair, supported: Sequence[JudgedPair]
+    own: Candidate, chosen: JudgedPair, supported: Sequence[JudgedPair], rule: Rule
 ) -> list[tuple[JudgedPair, Candidate]]:
     """Return the pairs with another law instead of one of the chosen pair.
 
@@ -21,7 +21,9 @@ def instead_of(
     """
     partner = chosen.pair.without(own)
     direct = [(one, partner) for one in supported if one.pair.has(partner)]
-    as_good = [one for one in supported if alike(chosen.whole, one.whole)]
+    as_good = [
+        one for one in supported if not clearly_better(chosen.whole, one.whole, rule)
+    ]
     sides = _sides(own, partner, as_good)
     around = [(one, p) for one in as_good for p in sides[1] if one.pair.has(p)]
     known, found = {id(own), id(partner)}, []

@@ -129,7 +129,7 @@ def _round(
     """
     partner = chosen.pair.without(own)
     added = _told(chosen, partner, times)
-    others = instead_of(own, chosen, supported)
+    others = instead_of(own, chosen, supported, rule)
     judged = (added, *(_told(one, beside, times) for one, beside in others))
     alone = _enlarged(seen.alone[id(partner)], times)
     sure = probability(added, judged, alone, rule)

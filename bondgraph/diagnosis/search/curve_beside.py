@@ -1,0 +1,97 @@
+"""A curve beside the laws with a name: it tells whether they only come near.
+
+Many a relation is nearly a law of the library: a damper that grows with a root is
+nearly dry friction. What is left then is no noise, and a free curve at the same place
+leaves far less than all that was found with a name. Where a right law was found, the
+curve does not: it left 1 / 1.15 at least of what all findings left together, in each of
+about a hundred diagnoses, concealed and in recordings of strangers.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from bondgraph.diagnosis.evidence.decision import (
+    Judged,
+    Rule,
+    clearly_better,
+    probability,
+)
+from bondgraph.diagnosis.evidence.left_out import left_out_errors
+from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.candidates import CURVE
+from bondgraph.diagnosis.search.one_round import Round, accepted
+from bondgraph.diagnosis.search.together import explained
+
+LEAVES_MORE = 1.5
+"""Named laws that leave so many times what a curve leaves come near at most."""
+
+FAR_MORE = 3.0
+"""Those that leave so many times as much are told as the curve ..."""
+
+NOT_ALL = 0.05
+"""... where they also leave this share of what the first model left: of a real machine
+dry friction explains most and not all, and is what its friction is called.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class BetterCurve:
+    """A curve that leaves less than all laws with a name together.
+
+    Parameters
+    ----------
+    index
+        Of the round that judged it.
+    times
+        How many times what it leaves the named laws leave.
+    left
+        The share of the first model's error that these leave.
+    """
+
+    index: int
+    curve: Judged
+    times: float
+    left: float
+
+    @property
+    def is_told(self) -> bool:
+        """Whether it is to be told in their place."""
+        return self.times >= FAR_MORE and self.left >= NOT_ALL
+
+
+def better_curve(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
+    """Return the best curve that leaves clearly less than what was found, if any.
+
+    Where one was found itself, or none was tried at the place of a finding, there is
+    none.
+    """
+    made = [one.chosen for one in accepted(rounds) if one.chosen is not None]
+    if not made or any(one.physics == CURVE for one in made):
+        return None
+    last, places = made[-1], {one.place for one in made}
+    curves = [
+        (i, judged)
+        for i, found in enumerate(rounds)
+        for judged in found.judged
+        if judged.physics == CURVE
+        and judged.support is Support.SUPPORTED
+        and judged.place in places
+        and judged.errors.chunks.size == last.errors.chunks.size
+    ]
+    if not curves:
+        return None
+    index, best = min(curves, key=lambda one: float(one[1].errors.chunks.sum()))
+    left = float(last.errors.chunks.sum())
+    times = left / max(float(best.errors.chunks.sum()), 1e-12 * left)
+    if times < LEAVES_MORE or not clearly_better(best, last, rule):
+        return None
+    return BetterCurve(index, best, times, 1.0 - explained(rounds))
+
+
+def with_curve(rounds: Sequence[Round], better: BetterCurve, rule: Rule) -> list[Round]:
+    """Return the rounds up to the one that judged the curve, which it has chosen."""
+    found, curve = rounds[better.index], better.curve
+    before = left_out_errors(found.base, curve.errors.chunks.size)
+    sure = probability(curve, found.judged, before, rule)
+    told = replace(found, chosen=curve, probability=sure, removed=())
+    return [*rounds[: better.index], told]

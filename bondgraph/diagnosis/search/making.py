@@ -1,0 +1,131 @@
+"""Making: what a round chose is added, replaces an earlier law, or is given up.
+
+Where it found no law with a name, two are tried at once.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from bondgraph.diagnosis.evidence.decision import Rule
+from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.candidates import CURVE, Candidate
+from bondgraph.diagnosis.search.exchange import Exchanged, Reached, exchanged
+from bondgraph.diagnosis.search.one_round import Round, Setting, chosen_in
+from bondgraph.diagnosis.search.removal import Pruned, pruned, swallowed
+from bondgraph.diagnosis.search.together import explained, two_rounds
+from bondgraph.diagnosis.work.workers import Workshop
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.structure.parameters import Parameter
+
+Made = tuple[tuple[Round, ...], FittedModel, tuple[Hypothesis, ...]]
+"""Rounds as they are made, the model after them, and what that has."""
+
+NAMES_TWO = 0.8
+"""Two laws with names leave less than this share of what a curve leaves, to be told in
+its place: two wrong ones come near to any curve.
+"""
+
+
+def made_of(
+    reached: Reached, found: Round, authored: Mapping[str, Parameter], rule: Rule
+) -> tuple[Round, FittedModel, tuple[Hypothesis, ...]]:
+    """Return the round as it is made, the model after it and what that has.
+
+    What was chosen is added, takes an earlier one's place or is given up.
+    """
+    newcomers = found.judged
+    if found.chosen is not None:
+        left = _left_with([found.chosen.candidate], reached, authored, rule)
+        if isinstance(left, Pruned):
+            return replace(found, removed=left.removed), left.fitted, left.kept
+        newcomers, found = (found.chosen,), _given_up(found, left)
+    instead = None
+    if not found.cut_short:
+        instead = exchanged(reached, newcomers, found.tried, rule)
+    if instead is None:
+        return found, reached.current, reached.added
+    return _in_place(found, instead), instead.fitted, instead.kept
+
+
+def or_two(
+    setting: Setting,
+    reached: Reached,
+    one: Made,
+    authored: Mapping[str, Parameter],
+    shop: Workshop,
+) -> Made:
+    """Return what was made of a round, or two laws where it found none with a name."""
+    ((found,), _, _) = one
+    if found.chosen is not None and found.chosen.physics != CURVE:
+        return one
+    two = _two_made(setting, reached, found, authored, shop)
+    left, left_by_two = 1.0 - explained(one[0]), 1.0 - explained(two[0])
+    instead = found.chosen is None or left_by_two < NAMES_TWO * left
+    return two if instead else one
+
+
+def _two_made(
+    setting: Setting,
+    reached: Reached,
+    found: Round,
+    authored: Mapping[str, Parameter],
+    shop: Workshop,
+) -> Made:
+    """Return the same where two laws are added at once; no rounds where none are."""
+    two, rule = two_rounds(setting, found, shop), setting.options.rule
+    if two:
+        left = _left_with(chosen_in(two), reached, authored, rule)
+        if isinstance(left, Pruned):
+            made = (*two[:-1], replace(two[-1], removed=left.removed))
+            return made, left.fitted, left.kept
+    return (), reached.current, reached.added
+
+
+def _left_with(
+    candidates: Sequence[Candidate],
+    reached: Reached,
+    authored: Mapping[str, Parameter],
+    rule: Rule,
+) -> Pruned | str:
+    """Return the model with additions, or what was there of which they leave nothing.
+
+    Parameters
+    ----------
+    candidates
+        What is added, one upon the other; the last one's model has them all.
+    """
+    together = (*reached.added, *(one.hypothesis for one in candidates))
+    fitted = candidates[-1].fitted
+    left = pruned(reached.first, reached.current, fitted, together, rule)
+    lost = None
+    if reached.added:
+        lost = swallowed(reached.current, left.fitted, left.kept[:-1], authored)
+    return left if lost is None else lost
+
+
+def _in_place(found: Round, instead: Exchanged) -> Round:
+    """Return the round with the law that has taken an earlier one's place."""
+    new = instead.better
+    others = (
+        j
+        for j in found.judged
+        if j.candidate.hypothesis is not new.candidate.hypothesis
+    )
+    return replace(
+        found,
+        judged=(new, instead.rival, *others),
+        chosen=new,
+        probability=instead.probability,
+        removed=(instead.rival.candidate.hypothesis,),
+    )
+
+
+def _given_up(found: Round, lost: str) -> Round:
+    """Return the round without its choice, which stands in for what was there."""
+    reason = f"leaves nothing of {lost}, and came after it"
+    judged = tuple(
+        replace(j, support=Support.REFUTED, reason=reason) if j is found.chosen else j
+        for j in found.judged
+    )
+    return replace(found, judged=judged, chosen=None, probability=None)
