@@ -82,11 +82,11 @@ class UnknownRelation(AbstractPhysics):
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield a curve of each local variable of a junction, two of an input."""
         if isinstance(place, OneJunctionPlace):
-            yield self._curve(place, f, F, place.flow)
+            yield self._curve(place, f, F)
             if place.displacement_known:
-                yield self._curve(place, q, Q, place.displacement)
+                yield self._curve(place, q, Q)
         elif isinstance(place, JunctionPlace):
-            yield self._curve(place, e, E, place.effort)
+            yield self._curve(place, e, E)
         elif isinstance(place, InputPlace):
             yield self._of_input(place)
             yield self._gain(place)
@@ -129,15 +129,11 @@ class UnknownRelation(AbstractPhysics):
         return self.hypothesis(place, edit, law, heights, words)
 
     def _curve(
-        self,
-        place: JunctionPlace,
-        variable: sympy.Symbol,
-        quantity: Quantity,
-        size: float,
+        self, place: JunctionPlace, variable: sympy.Symbol, quantity: Quantity
     ) -> Hypothesis:
         answer = E if isinstance(place, OneJunctionPlace) else F
-        visited = place.scales.range_of(f"{quantity}({place.name})", size)
-        knots = (_turning if quantity is F else _even)(visited, size)
+        size = _typical(place, quantity)
+        knots = tuple(knot / size for knot in knots_at(place, quantity))
         width = place.constant(f"curve_{quantity}", place.unit(quantity), size)
         unit, x = place.unit(answer), variable / width.symbol
         law, heights = self._drawn(place, "curve", unit, x, knots)
@@ -153,6 +149,21 @@ class UnknownRelation(AbstractPhysics):
         )
         edit = place.insert(element, *heights, width)
         return self.hypothesis(place, edit, law, heights, words)
+
+
+def knots_at(place: JunctionPlace, quantity: Quantity) -> Knots:
+    """Return where a curve of a local variable has its knots, in the variable's unit.
+
+    In the order of its heights.
+    """
+    size = _typical(place, quantity)
+    visited = place.scales.range_of(f"{quantity}({place.name})", size)
+    knots = (_turning if quantity is F else _even)(visited, size)
+    return tuple(size * knot for knot in knots)
+
+
+def _typical(place: JunctionPlace, quantity: Quantity) -> float:
+    return {F: place.flow, Q: place.displacement}.get(quantity, place.effort)
 
 
 def _even(visited: tuple[float, float], size: float) -> Knots:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from bondgraph.diagnosis.search.between_samples import finely_stepped, fitted_either_way
 from bondgraph.diagnosis.search.horizons import sharpened
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.runaway import run_away
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import FitSettings, FittedModel, fit_model
 from bondgraph.fitting.horizon import Automatic, WholeRecordings
@@ -78,10 +79,8 @@ class Known:
     def as_stated(self, long: FittedModel) -> tuple[FittedModel, ...]:
         """Return the fit with what has run away held to its stated value, weakly."""
         runaway = [
-            replace(parameter, std=abs(parameter.value))
-            for name in long.problem.free_names
-            if (parameter := self.graph.parameters[name]).value and not parameter.std
-            if not 1 / RUNAWAY < long.values[name] / parameter.value < RUNAWAY
+            replace(self.graph.parameters[name], std=abs(value))
+            for name, value in run_away(long, RUNAWAY).items()
         ]
         if not runaway:
             return ()

@@ -21,6 +21,7 @@ from bondgraph.diagnosis.search.candidates import (
     Rejected,
     propose_all,
 )
+from bondgraph.diagnosis.search.curve_from_law import with_curve_drawn
 from bondgraph.diagnosis.search.finer import as_fine_as_told
 from bondgraph.diagnosis.search.fits import fit_best, fit_remembering
 from bondgraph.diagnosis.search.options import Options
@@ -153,7 +154,10 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
         seen = _judged(setting, bench, fitted, order, tried, seen)
     verdicts, first_choice = seen.verdicts, seen.verdicts.chosen
     chosen = None if first_choice is None else as_fine_as_told(bench, first_choice)
-    kept = [chosen if j is first_choice and chosen else j for j in verdicts.judged]
+    judged = with_curve_drawn(
+        bench, verdicts, screened.independent, options.rule, setting.noise
+    )
+    kept = [chosen if j is first_choice and chosen else j for j in judged]
     return Round(
         base,
         len(hypotheses),

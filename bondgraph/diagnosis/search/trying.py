@@ -18,6 +18,7 @@ from bondgraph.diagnosis.search.posing import (
     pose_hypothesis,
     thetas,
 )
+from bondgraph.diagnosis.search.runaway import run_away
 from bondgraph.diagnosis.search.score_test import score_test
 from bondgraph.diagnosis.search.steps import faithful
 from bondgraph.diagnosis.search.surrogates import Baseline
@@ -185,12 +186,14 @@ def _best(
     And the solver that it took.
     """
     best: Optimum | None = None
+    # From a model that has run away the promise of a law says little.
+    enough = 1.0 if run_away(base) else trial.enough
     solver = problem.solver
     for theta, initial in _begin(base, trial, problem):
         found = faithful(problem, theta, initial, iterations, TOLERANCE)
         if best is None or found.optimum.cost < best.cost:
             best, solver = found.optimum, found.solver
-        if best.cost <= (1.0 - trial.enough) * base.optimum.cost:
+        if best.cost <= (1.0 - enough) * base.optimum.cost:
             break
     else:
         if best is not None and trial.enough < 1.0 and not best.converged:
@@ -209,7 +212,7 @@ def _begin(
     hypothesis = trial.hypothesis
     own = initial_states(base, problem.model.state_names)
     if not trial.starts:
-        starts = thetas(base, hypothesis, problem, hypothesis.starts)
+        starts = thetas(base, hypothesis, problem, _own_starts(base, hypothesis))
         begun = [(theta, _settled(base, problem, theta)) for theta in starts]
         if not hypothesis.waits or not problem.model.n_states:
             return begun
@@ -222,6 +225,21 @@ def _begin(
             states, _ = settle(problem, theta, own, SETTLE_ITERATIONS)
         begin.append((theta, states))
     return begin
+
+
+def _own_starts(
+    base: FittedModel, hypothesis: Hypothesis
+) -> tuple[Mapping[str, float], ...]:
+    """Return a law's own starts, with an effect also from what is stated of the model.
+
+    Where parameters of that have run away.
+    """
+    stated = run_away(base)
+    if not stated:
+        return hypothesis.starts
+    silent = [dict(start) for start in hypothesis.silent_starts]
+    some = [start for start in hypothesis.starts if dict(start) not in silent]
+    return (*hypothesis.starts, *({**stated, **start} for start in some))
 
 
 def _settled(base: FittedModel, problem: FitProblem, theta: Array) -> Array:

@@ -1,0 +1,28 @@
+"""Parameters that have run away from what is stated of them, for want of a law.
+
+A carriage that rubs is fitted as one of ten times the mass. From there the law that is
+missing promises next to nothing, and a fit of it does not find the way back: it begins
+where the author of the model has stated as well.
+"""
+
+from bondgraph.fitting.estimate import FittedModel
+
+FAR = 3.0
+"""A value so many times larger or smaller than where its fit began has run away."""
+
+
+def run_away(fitted: FittedModel, times: float = FAR) -> dict[str, float]:
+    """Return the stated values of parameters that a fit has left by so many times.
+
+    One that is stated with a standard deviation is held by that.
+    """
+    problem, stated = fitted.problem, fitted.graph.parameters
+    names = problem.model.parameter_names
+    began = {names[i]: float(problem.start[i]) for i in problem.free}
+    return {
+        name: value
+        for name, value in began.items()
+        if value
+        and not stated[name].std
+        and not 1.0 / times < fitted.values[name] / value < times
+    }
