@@ -8,7 +8,7 @@ from bondgraph import BondGraph, C, FinishedGraph, I, R, Se, Sf
 from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
-from bondgraph.physics.relaxation import StoreBehind
+from bondgraph.physics.relaxation import StoreAmid, StoreBehind
 from bondgraph.structure.domains import DOMAINS
 from bondgraph.structure.elements import Compliance, Inertance, Resistance
 from bondgraph.structure.signals import Signal
@@ -17,9 +17,13 @@ from bondgraph.structure.signals import Signal
 def words_at(graph: FinishedGraph) -> set[str]:
     """Return what the library proposes for a graph, at any place.
 
-    A store behind a resistance has the word of a store, and is no twin of one.
+    A store behind a resistance, or amid one, has the word of a store, and is no twin.
     """
-    plain = [physics for physics in LIBRARY if not isinstance(physics, StoreBehind)]
+    plain = [
+        physics
+        for physics in LIBRARY
+        if not isinstance(physics, StoreBehind | StoreAmid)
+    ]
     return {
         hypothesis.physics
         for place in all_places(graph, Scales())

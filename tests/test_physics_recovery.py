@@ -107,6 +107,7 @@ CASES = [
     Case(
         "dc_drive", "StoreBehind", "winding", {"slow_resistance": 0.5, "fill_time": 0.3}
     ),
+    Case("two_tanks", "StoreAmid", "pipe", {"capacity_amid": 0.3}),
     Case("two_tanks", "Leak", "upper", {"leak": 0.1}),
     Case("heaters", "Leak", "block1", {"leak_to_block2_from": 0.01}, 1),
     Case("two_masses", "Slip", "coupling", {"leak": 0.05}),

@@ -30,7 +30,7 @@ from bondgraph.physics.position import (
     Spring,
 )
 from bondgraph.physics.ratio import Eccentricity
-from bondgraph.physics.relaxation import StoreBehind
+from bondgraph.physics.relaxation import StoreAmid, StoreBehind
 from bondgraph.physics.sensing import SensorBias, SensorNonlinearity, SensorScale
 from bondgraph.physics.thermal import Radiation, TemperatureDependentResistance
 from bondgraph.physics.unknown import UnknownRelation
@@ -51,6 +51,7 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     AddedInertia(),
     AddedCompliance(),
     StoreBehind(),
+    StoreAmid(),
     Leak(),
     Slip(),
     SquareLaw(),

@@ -2,10 +2,13 @@
 
 Beside a stock it is a second one (the wall of a room, the iron of a machine, a vessel
 behind an orifice); in a branch of a circuit it is a voltage that builds up behind the
-current (polarisation). Both add one state, which fades with a time of its own.
+current (polarisation); amid a passage it is what lies between its two sides (the wall
+of a heat exchanger, a hose). Each adds one state, which fades with a time of its own.
 """
 
 from collections.abc import Iterator
+
+import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import (
@@ -27,11 +30,13 @@ from bondgraph.structure.edits import (
     InsertElement,
     LoosenBond,
     ObstructBond,
+    ReplaceRelation,
     SeveralEdits,
 )
-from bondgraph.structure.elements import Compliance, Resistance
+from bondgraph.structure.elements import Compliance, Junction, Resistance
 from bondgraph.structure.graph import Bond
-from bondgraph.structure.signals import f, q
+from bondgraph.structure.renaming import Renaming
+from bondgraph.structure.signals import f, parameter_symbol, q, signals_in
 
 SHARES = (0.03, 0.1, 0.01)
 """Of a recording's length: the times that fits start from, the middle one first. A fit
@@ -67,8 +72,8 @@ class StoreBehind(AbstractPhysics):
     def _beside(self, place: ZeroJunctionPlace) -> Hypothesis:
         """Return a stock beside the one that is there, and what lies between."""
         size = place.displacement / place.effort
-        c = self._capacity(place, "second_capacity", place.unit(Q, E), size)
-        tau = self._time(place)
+        c = _capacity(place, "second_capacity", place.unit(Q, E), size)
+        tau = _time(place)
         store = Compliance(place.name_of("second_store"), law=q / c.symbol)
         between = Resistance(
             place.name_of("way_to_second_store"), law=tau.symbol / c.symbol * f
@@ -96,8 +101,8 @@ class StoreBehind(AbstractPhysics):
         if place.domain not in ELECTRIC:
             return
         size = place.effort / place.flow
-        r = self._capacity(place, "slow_resistance", place.unit(E, F), 0.1 * size)
-        tau = self._time(place)
+        r = _capacity(place, "slow_resistance", place.unit(E, F), 0.1 * size)
+        tau = _time(place)
         loss = Resistance(place.name_of("slow_loss"), law=r.symbol * f)
         store = Compliance(place.name_of("slow_store"), law=r.symbol / tau.symbol * q)
         added = (r.parameter, tau.parameter)
@@ -112,16 +117,63 @@ class StoreBehind(AbstractPhysics):
         words = "a voltage that builds up with the current in time: polarisation"
         yield self.hypothesis(place, edit, loss.law, (r, tau), words)
 
-    @staticmethod
-    def _capacity(
-        place: JunctionPlace, stem: str, unit: str, size: float
-    ) -> Coefficient:
-        n = len(SHARES)
-        starts = (1e-3 * size,) * n + (size,) * n
-        return place.strength(stem, unit, starts, low=1e-6 * size)
 
-    @staticmethod
-    def _time(place: JunctionPlace) -> Coefficient:
-        low = FASTEST * place.scales.step
-        times = tuple(max(share * place.scales.stretch, 2 * low) for share in SHARES)
-        return place.shape("fill_time", "s", times * 2, low=low)
+class StoreAmid(AbstractPhysics):
+    """A store amid a passage: what flows in at one end comes out late at the other."""
+
+    word = "added_compliance"
+    reference = "two halves of a line and the store between: a T section"
+    passivity = Passivity.DISSIPATIVE
+    signature = (
+        "either side answers the other late; taken for larger stores at its ends, or a "
+        "lag of a sensor"
+    )
+    domains = FLUID | HEAT | ELECTRIC
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it amid a passage with one loss, the same in either direction."""
+        if not isinstance(place, OneJunctionPlace) or not self.suits(place):
+            return
+        graph = place.graph
+        losses = [one for one in place.neighbours if isinstance(one, Resistance)]
+        ends = [
+            bond
+            for bond in graph.bonds_at(place.name)
+            if isinstance(graph.node(bond.other(place.name)), Junction)
+        ]
+        if len(losses) != 1 or len(ends) != 2:
+            return
+        (loss,) = losses
+        whole = loss.law or parameter_symbol(loss.name) * f
+        if signals_in(whole) or sympy.expand(whole + whole.subs(f, -f)) != 0:
+            return
+        size = 0.1 * place.flow * place.scales.stretch / place.effort
+        c = _capacity(place, "capacity_amid", place.unit(Q, E), size)
+        store = Compliance(place.name_of("store_amid"), law=q / c.symbol)
+        half = Resistance(place.name_of("other_half"), law=whole / 2)
+        loosened = LoosenBond(ends[1], place.name_of("amid"), (store,), (c.parameter,))
+        beyond = Renaming({place.name: loosened.split}).bond(ends[1])
+        edit = SeveralEdits(
+            (
+                loosened,
+                ObstructBond(beyond, place.name_of("behind"), (half,)),
+                ReplaceRelation(loss.name, whole / 2, nested=True),
+            )
+        )
+        what = {
+            "thermal": "a mass amid it that takes heat from either side",
+            "electrical": "a capacity amid it",
+        }.get(place.domain.name, "a volume amid it that gives way")
+        yield self.hypothesis(place, edit, store.law, (c,), what)
+
+
+def _capacity(place: JunctionPlace, stem: str, unit: str, size: float) -> Coefficient:
+    n = len(SHARES)
+    starts = (1e-3 * size,) * n + (size,) * n
+    return place.strength(stem, unit, starts, low=1e-6 * size)
+
+
+def _time(place: JunctionPlace) -> Coefficient:
+    low = FASTEST * place.scales.step
+    times = tuple(max(share * place.scales.stretch, 2 * low) for share in SHARES)
+    return place.shape("fill_time", "s", times * 2, low=low)

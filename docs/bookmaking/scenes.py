@@ -201,6 +201,15 @@ SCENES: Mapping[str, Scene] = {
         **{**_FILLED, "up": "effort(*)"},
         values={"second_capacity": 0.8, "fill_time": 2.0},
     ),
+    "StoreAmid": Scene(
+        machine=machines.two_tanks,
+        place="pipe",
+        values={"capacity_amid": 0.6},
+        drive={"inflow": _pulse(2.0, 3.0)},
+        output="lower_pressure",
+        across="effort(*)",
+        up="displacement(*)",
+    ),
     "Leak": Scene(**_FILLED, values={"leak": 0.15}),
     "Slip": Scene(
         machine=machines.belt,

@@ -37,9 +37,14 @@ class LoosenBond:
     parameters: tuple[Parameter, ...] = ()
     states: tuple[SignalState, ...] = ()
 
+    @property
+    def split(self) -> str:
+        """The name of the 0-junction that splits the bond."""
+        return f"{self.name}_split"
+
     def apply(self, graph: FinishedGraph) -> FinishedGraph:
         """Return the graph with the bond split."""
-        split = f"{self.name}_split"
+        split = self.split
         pieces = _split(graph, self.bond, ZeroJunction(split))
         domain = graph.domain_at(self.bond.name)
         pieces.nodes.append(OneJunction(self.name))
