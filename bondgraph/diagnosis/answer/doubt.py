@@ -28,6 +28,10 @@ left less, 9 of 10.
 ERRORS = 2.0
 """A number within so many standard errors of none is not told from it."""
 
+COMES_NEAR = 0.7
+"""Of a probability no more is left where a free curve leaves clearly less: a judgement.
+"""
+
 EVEN = 0.5
 """What is less probable than not is told as what may be."""
 
@@ -74,7 +78,12 @@ def doubted(findings: Sequence[Finding], left: float) -> list[Finding]:
     for finding in findings:
         if is_hollow(finding):
             believed *= HOLLOW  # What is found later is built on it.
-        told.append(_less_probable(finding, believed))
+        near = finding.physics != CURVE and any(
+            one.physics == CURVE for one in finding.alternatives
+        )
+        told.append(
+            _less_probable(finding, min(believed, COMES_NEAR) if near else believed)
+        )
     return told
 
 

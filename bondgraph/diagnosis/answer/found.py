@@ -16,9 +16,6 @@ from bondgraph.diagnosis.search.options import Options
 from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording
 
-COMES_NEAR = 0.7
-"""What is left of a probability where a free curve leaves clearly less: a judgement."""
-
 MENDS_SHAPE = (
     " It takes away little beside what was found before, and may only mend its shape."
 )
@@ -59,7 +56,7 @@ def findings_of(
                     *(shown(one.curve, held_out) for one in (near,) if one),
                     *hardly_supported(found, options, held_out),
                 ),
-                probability=_sure(found, share if near is None else COMES_NEAR * share),
+                probability=_sure(found, share),
             )
         )
         others[finding.element] = close
