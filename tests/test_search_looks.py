@@ -12,6 +12,7 @@ from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search import trying
 from bondgraph.diagnosis.search.beginnings import Known
+from bondgraph.diagnosis.search.runaway import run_away
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.fitting.horizon import Automatic, WholeRecordings, Windows
 from bondgraph.physics.library import LIBRARY
@@ -119,6 +120,15 @@ def test_what_ran_away_is_held_weakly_to_what_is_stated():
     weakly = {one.name: one.std for one in held.graph.parameters.members if one.std}
     assert weakly == {"capacity2": 200.0, "loss2": 0.8}
     assert held.values["capacity2"] < 0.1 * base.values["capacity2"]
+
+
+def test_what_has_run_away_is_known_by_what_was_stated():
+    base = fit_model(two_blocks(), [heated(two_blocks())], HELD)
+    assert run_away(base) == {"capacity2": 200.0, "loss2": 0.8}
+    assert run_away(base, times=1e9) == {}
+    stated = two_blocks().parameters["capacity2"]
+    held = two_blocks().with_parameters([replace(stated, std=1e9)])
+    assert "capacity2" not in run_away(fit_model(held, [heated(held)], HELD))
 
 
 def test_a_window_that_is_asked_for_is_kept_in_further_looks():

@@ -63,6 +63,7 @@ def test_what_adds_nothing_is_left_out_of_the_law(support):
     assert chosen.physics == "coulomb_friction"
     assert chosen.support is Support.SUPPORTED
     assert chosen in rounds[0].judged
+    assert rounds[0].probability == 0.8
     assert final.values["coulomb_cart"] == pytest.approx(DRY, rel=0.02)
     assert "stribeck_rise_cart" not in final.values
     refuted = replace(wide, support=Support.REFUTED, reason=NOTHING)

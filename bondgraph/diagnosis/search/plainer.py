@@ -126,8 +126,8 @@ def _without(found: Round, narrower: Judged, again: Mapping[int, Judged]) -> Rou
     after = again.get(id(before))
     if before is None or after is None or after is before:
         return replace(found, judged=judged)
-    # The wider law is there the narrower one: what it takes away this one does. The
-    # resamples had asked for the wider law.
+    # The wider law is there the narrower one: what it takes away this one does, and the
+    # resamples that it won this one has won.
     told = narrower
     if narrower.support is not Support.SUPPORTED:
         told = replace(
@@ -136,7 +136,7 @@ def _without(found: Round, narrower: Judged, again: Mapping[int, Judged]) -> Rou
             reason=f"{before.reason}, in a wider form that adds nothing",
         )
         judged = tuple(told if j is narrower else j for j in judged)
-    return replace(found, judged=judged, chosen=told, probability=None)
+    return replace(found, judged=judged, chosen=told)
 
 
 def _sharpened_with(
