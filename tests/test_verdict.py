@@ -17,6 +17,7 @@ from bondgraph.diagnosis.answer.verdict import (
     without_size,
     worse_held_out,
 )
+from bondgraph.diagnosis.answer.wording import next_experiment
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.candidates import CURVE, Rejected
 from bondgraph.diagnosis.search.one_round import Round
@@ -232,3 +233,39 @@ def test_a_law_that_was_found_is_not_told_as_left_aside_in_another_form():
     found = Round(SimpleNamespace(), judged=(chosen,), rejected=others, chosen=chosen)
     notes = notes_on([found], SimpleNamespace(unidentifiable=()), Options())
     assert notes == ("A hardening spring at arm was left aside: not determined",)
+
+
+def test_laws_left_aside_for_one_reason_are_told_together():
+    def aside(physics, place, reason):
+        law = SimpleNamespace(physics=physics, place=place)
+        return Rejected(law, reason)
+
+    rejected = (
+        aside("lag", "x", "not determined"),
+        aside("delay", "x", "not determined"),
+        aside("compliance", "arm", "nothing is left of it"),
+    )
+    rounds = [Round(SimpleNamespace(), rejected=rejected)] * 2
+    notes = notes_on(rounds, SimpleNamespace(unidentifiable=()), Options())
+    assert notes == (
+        "Lag at x and delay at x were left aside: not determined",
+        "Compliance at arm was left aside: nothing is left of it",
+    )
+
+
+def test_no_one_is_asked_to_vary_what_only_a_law_has():
+    names = {"cart", "slide"}
+    base = SimpleNamespace(graph=SimpleNamespace(has_place=names.__contains__))
+    found = SimpleNamespace(
+        physics="delay", element="late", place="cart", indistinguishable_places=()
+    )
+
+    def advice(*variables):
+        law = SimpleNamespace(depends_on=variables)
+        candidate = SimpleNamespace(hypothesis=law)
+        close = SimpleNamespace(physics="lag", place="cart", candidate=candidate)
+        return next_experiment([found], {"late": [close]}, base)
+
+    told = advice("flow", "displacement(lagged_x)", "effort(slide)")
+    assert told.endswith("depend on: flow at cart, effort at slide.")
+    assert advice("displacement(lagged_x)") == ""

@@ -6,7 +6,7 @@ from importlib.metadata import version
 from typing import Any
 
 from bondgraph.diagnosis.answer.evidence_shown import wider_than_chosen
-from bondgraph.diagnosis.answer.wording import name_of
+from bondgraph.diagnosis.answer.wording import listed, name_of
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.search.one_round import Round
 from bondgraph.diagnosis.search.options import Options
@@ -30,18 +30,7 @@ def notes_on(
             "limit says; laws that were not tried may explain more or better."
             + (kept if options.resume else "")
         )
-    chosen = [found.chosen for found in rounds if found.chosen is not None]
-    told = {(one.physics, one.place) for one in chosen}
     for found in rounds:
-        for rejected in found.rejected:
-            hypothesis = rejected.hypothesis
-            if rejected.reason == OUT_OF_TIME:
-                continue  # Told once, of all of them.
-            if (hypothesis.physics, hypothesis.place) in told:
-                continue  # It was found, in another form.
-            notes.append(
-                f"{_sentence_start(hypothesis)} was left aside: {rejected.reason}"
-            )
         notes += [
             f"{_sentence_start(h)} was added first and taken out again: beside what "
             "was added later it does not predict left-out data better."
@@ -60,7 +49,26 @@ def notes_on(
                 "it does not predict left-out data better"
                 f"{'' if same else f' than {name_of(plain.physics)}'}."
             )
-    return tuple(dict.fromkeys(notes))
+    return tuple(dict.fromkeys((*notes, *_left_aside(rounds))))
+
+
+def _left_aside(rounds: Sequence[Round]) -> list[str]:
+    """Return for each reason which laws were left aside for it."""
+    chosen = [found.chosen for found in rounds if found.chosen is not None]
+    # What was found was left aside in another form only.
+    told = {(one.physics, one.place) for one in chosen}
+    by_reason: dict[str, dict[str, None]] = {}
+    for rejected in (one for found in rounds for one in found.rejected):
+        law = rejected.hypothesis
+        # What there was no time for is told once, of all laws.
+        if rejected.reason != OUT_OF_TIME and (law.physics, law.place) not in told:
+            name = f"{name_of(law.physics)} at {law.place}"
+            by_reason.setdefault(rejected.reason, {})[name] = None
+    return [
+        f"{_capital(listed(list(laws), 'and'))} "
+        f"{'was' if len(laws) == 1 else 'were'} left aside: {reason}"
+        for reason, laws in by_reason.items()
+    ]
 
 
 def notes_on_gaps(recordings: Sequence[BoundRecording]) -> tuple[str, ...]:
@@ -84,8 +92,11 @@ def notes_on_gaps(recordings: Sequence[BoundRecording]) -> tuple[str, ...]:
 
 
 def _sentence_start(judged: Judged | Hypothesis) -> str:
-    name = name_of(judged.physics)
-    return f"{name[:1].upper()}{name[1:]} at {judged.place}"
+    return _capital(f"{name_of(judged.physics)} at {judged.place}")
+
+
+def _capital(words: str) -> str:
+    return f"{words[:1].upper()}{words[1:]}"
 
 
 def provenance(

@@ -136,7 +136,7 @@ def next_experiment(
     advice: list[str] = []
     for finding in findings:
         close = others.get(finding.element, ())
-        advice += _separate_laws(finding, close)
+        advice += _separate_laws(finding, close, base)
         if finding.indistinguishable_places:
             alike = (finding.place, *finding.indistinguishable_places)
             advice.append(_separate_places(alike, base))
@@ -161,7 +161,9 @@ def _separate_places(alike: Sequence[str], base: FittedModel) -> str:
     )
 
 
-def _separate_laws(finding: Finding, close: Sequence[Judged]) -> list[str]:
+def _separate_laws(
+    finding: Finding, close: Sequence[Judged], base: FittedModel
+) -> list[str]:
     words = {finding.physics, *(j.physics for j in close)}
     advice = []
     if "load_dependent_friction" in words and len(words) > 1:
@@ -188,16 +190,22 @@ def _separate_laws(finding: Finding, close: Sequence[Judged]) -> list[str]:
         )
     if {"spring", "hardening_spring", "gravity"} & words and len(words) > 1:
         advice.append("Record over a larger range of displacement.")
-    if not advice and len(words) > 1:
+    variables = _known_variables(close, base)
+    if not advice and len(words) > 1 and variables:
         advice.append(
             "Record a larger range of the variables these laws depend on: "
-            + ", ".join(
-                dict.fromkeys(
-                    variable
-                    for j in close
-                    for variable in j.candidate.hypothesis.depends_on
-                )
-            )
-            + "."
+            f"{', '.join(variables)}."
         )
     return advice
+
+
+def _known_variables(close: Sequence[Judged], base: FittedModel) -> list[str]:
+    """Return what laws depend on, as far as the user's model has it too."""
+    found = []
+    for judged in close:
+        for variable in judged.candidate.hypothesis.depends_on:
+            quantity, _, elsewhere = variable.rstrip(")").partition("(")
+            place = elsewhere or judged.place
+            if base.graph.has_place(place):
+                found.append(f"{quantity} at {place}")
+    return list(dict.fromkeys(found))
