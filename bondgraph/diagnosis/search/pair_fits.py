@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import TypeVar
 
-import numpy as np
-
 from bondgraph.diagnosis.search.alone import one_law
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import Candidate
@@ -126,32 +124,15 @@ def from_either(one: Candidate, other: Candidate) -> list[tuple[Start, ...]]:
     ]
 
 
-def in_place(
-    reached: Candidate, given_up: Candidate, other: Candidate
-) -> tuple[Start, ...]:
+def in_place(reached: Candidate, other: Candidate) -> tuple[Start, ...]:
     """Return starts of another law in place of one, where the pair of that has ended.
 
-    With its own strength, with that which it has alone, and as strong as the one that
-    is given up.
+    With its own strength, or with that which it has alone.
     """
-    ended, law = reached.fitted.values, other.hypothesis
-    units = {p.name: p.unit for p in law.edit.parameters}
-    sizes: dict[str, list[float]] = {}
-    for one in given_up.hypothesis.edit.parameters:
-        if one.name in given_up.hypothesis.strengths and one.name in ended:
-            sizes.setdefault(one.unit, []).append(ended[one.name])
-    as_strong = {
-        name: float(np.mean(sizes[units[name]]))
-        for name in law.strengths
-        if units[name] in sizes
-    }
-    alone = other.fitted.values
-    begun = (*law.starts, alone, *(({**alone, **as_strong},) if as_strong else ()))
-    own = set(law.parameters)
-    return tuple(
-        Start({**some, **{n: v for n, v in ended.items() if n not in own}})
-        for some in begun
-    )
+    own = set(other.hypothesis.parameters)
+    ended = {n: v for n, v in reached.fitted.values.items() if n not in own}
+    begun = (*other.hypothesis.starts, other.fitted.values)
+    return tuple(Start({**some, **ended}) for some in begun)
 
 
 def _kept(

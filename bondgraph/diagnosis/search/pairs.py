@@ -99,9 +99,7 @@ class Pairing:
             for kept, given_up in (either, either[::-1])
             for other in self._instead_of(given_up, kept)
             if not pair.has(other)
-            for start in self.fits.begun(
-                kept, other, [in_place(pair.both, given_up, other)]
-            )
+            for start in self.fits.begun(kept, other, [in_place(pair.both, other)])
         ]
         cost = self.fits.bench.few.optimum.cost
         return self.fits.ended(leading(begun, cost, HOPELESS))
