@@ -21,9 +21,12 @@ MUCH_REMAINING = 0.1
 
 SHOWS = 0.01
 """More than this share of the squared error counts against what was found. Of 11 named
-findings on concealed development cases that left more of it 6 were right; of some 70 that
-left less, six of seven.
+findings on concealed development cases that left more of it, 6 were right; of some 70
+that left less, six of seven.
 """
+
+ERRORS = 2.0
+"""A number within so many standard errors of none is not told from it."""
 
 COMES_NEAR = 0.7
 """Of a probability no more is left where a free curve leaves clearly less: a judgement.
