@@ -1,41 +1,59 @@
 """A relation that a named law only comes near to is told as a curve, or said to be."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from rubbing_slider import slider
+from rubbing_slider import proposed, slider
 
 from bondgraph import Recording, bind_to, diagnose
+from bondgraph.diagnosis.evidence.decision import Rule
+from bondgraph.diagnosis.evidence.judging import Verdicts, judge_all
 from bondgraph.diagnosis.records import Verdict
+from bondgraph.diagnosis.search.bench import Bench
+from bondgraph.diagnosis.search.candidates import CURVE, Candidate
+from bondgraph.diagnosis.search.curve_from_law import with_curve_drawn
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.diagnosis.work.journal import Journal
+from bondgraph.diagnosis.work.workers import Here, workshop
+from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.drag import QuadraticDrag
 from bondgraph.physics.friction import CoulombFriction
+from bondgraph.physics.hysteresis import DahlHysteresis
 from bondgraph.physics.unknown import UnknownRelation
 
 LIBRARY = (CoulombFriction(), QuadraticDrag(), UnknownRelation())
 
 
+def recorded(graph, force_of, seed):
+    rng = np.random.default_rng(seed)
+    time = np.arange(1500) * 0.01
+    speed = 0.5 * np.sin(1.3 * time + seed) * (1.0 + 0.5 * np.sin(0.2 * time))
+    force = force_of(speed) + 0.01 * rng.normal(size=time.size)
+    channels = {"speed": (speed, "m/s"), "force": (force, "N")}
+    return bind_to(graph, Recording.from_arrays(f"run {seed}", time, channels))
+
+
 def said(force_of):
-    graph = slider()
+    graph, options = slider(), Options(library=LIBRARY)
+    run, other = (recorded(graph, force_of, seed) for seed in (1, 2))
+    return diagnose(graph, [run], held_out=[other], options=options)
 
-    def recorded(seed):
-        rng = np.random.default_rng(seed)
-        time = np.arange(1500) * 0.01
-        speed = 0.5 * np.sin(1.3 * time + seed) * (1.0 + 0.5 * np.sin(0.2 * time))
-        force = force_of(speed) + 0.01 * rng.normal(size=time.size)
-        channels = {"speed": (speed, "m/s"), "force": (force, "N")}
-        return bind_to(graph, Recording.from_arrays(f"run {seed}", time, channels))
 
-    options = Options(library=LIBRARY)
-    return diagnose(graph, [recorded(1)], held_out=[recorded(2)], options=options)
+def eddies(speed):
+    """Return the force of an eddy-current brake: beyond 0.2 m/s it grows weaker."""
+    return 8.0 * speed / (1.0 + (speed / 0.2) ** 2)
 
 
 def test_a_relation_far_from_every_law_is_told_as_a_curve():
-    # An eddy-current brake: beyond 0.2 m/s the faster the weaker.
-    found = said(lambda speed: 8.0 * speed / (1.0 + (speed / 0.2) ** 2))
+    found = said(eddies)
     assert found.verdict is Verdict.UNEXPLAINED
     (curve,) = found.findings
     assert (curve.physics, curve.place) == ("unknown_relation", "cart")
     assert "comes nearest" in curve.statement
+    # Drawn as finely as any curve that is chosen, from few knots while it competed.
+    assert len(curve.estimates) > 8
 
 
 def test_a_law_that_comes_near_is_doubted_beside_a_curve():
@@ -59,3 +77,25 @@ def test_what_named_laws_explain_needs_no_curve(drag):
     }
     assert "comes near" not in " ".join(one.statement for one in found.findings)
     assert all(one.probability > 0.7 for one in found.findings)
+
+
+def test_a_curve_begins_as_the_best_law_of_its_own_variable():
+    base = fit_model(slider(), [recorded(slider(), eddies, 1)], FitSettings())
+    laws = [proposed(base, one) for one in (CoulombFriction(), DahlHysteresis())]
+    added = [fitted_with(base, base, [law], law.starts[-1]) for law in laws]
+    candidates = [Candidate(*one, 1) for one in zip(laws, added, strict=True)]
+    rule, nothing = Rule(), np.zeros(1)
+    with workshop(Here(), Journal(), lambda _: None) as shop:
+        bench = Bench.of(base, shop, "round 1")
+        seen = judge_all(
+            bench, candidates, 1.0, rule, nothing, lambda _: True, Verdicts()
+        )
+        # Of hysteresis, whatever it explains, there is no curve of one variable.
+        seen = replace(seen, chosen=seen.judged[-1])
+        drawn = with_curve_drawn(bench, seen, 1.0, rule, nothing)
+        again = with_curve_drawn(bench, replace(seen, judged=drawn), 1.0, rule, nothing)
+    *before, curve = drawn
+    assert tuple(before) == seen.judged
+    assert (curve.physics, curve.place) == (CURVE, "cart")
+    assert curve.gain.value > 0.99 > max(one.gain.value for one in before)
+    assert again == drawn

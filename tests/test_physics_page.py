@@ -75,5 +75,10 @@ def test_the_page_has_the_table_of_the_library():
     assert table() in PAGE.read_text(encoding="utf-8")
 
 
+def test_the_front_page_says_how_many_laws_there_are():
+    front = (PAGE.parent.parent / "README.md").read_text(encoding="utf-8")
+    assert f"It knows the {len(LIBRARY)} laws of" in front
+
+
 if __name__ == "__main__":
     print(table())

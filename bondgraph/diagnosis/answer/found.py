@@ -117,6 +117,6 @@ def comes_near(better: BetterCurve | None) -> str:
         return ""
     return (
         f" A free curve at {better.curve.place} leaves {100 / better.times:.0f} % of "
-        "the left-out error that is left with it: the law comes near to what is "
-        "there, and is not all of it."
+        "the error on left-out data that is left with what was found: the law comes "
+        "near to what is there, and is not all of it."
     )

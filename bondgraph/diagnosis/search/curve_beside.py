@@ -18,9 +18,12 @@ from bondgraph.diagnosis.evidence.decision import (
 )
 from bondgraph.diagnosis.evidence.left_out import left_out_errors
 from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import CURVE
+from bondgraph.diagnosis.search.finer import as_fine_as_told
 from bondgraph.diagnosis.search.one_round import Round, accepted
 from bondgraph.diagnosis.search.together import explained
+from bondgraph.diagnosis.work.workers import Workshop
 
 LEAVES_MORE = 1.5
 """Named laws that leave so many times what a curve leaves come near at most."""
@@ -88,10 +91,18 @@ def better_curve(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
     return BetterCurve(index, best, times, 1.0 - explained(rounds))
 
 
-def with_curve(rounds: Sequence[Round], better: BetterCurve, rule: Rule) -> list[Round]:
-    """Return the rounds up to the one that judged the curve, which it has chosen."""
+def with_curve(
+    rounds: Sequence[Round], better: BetterCurve, rule: Rule, shop: Workshop
+) -> list[Round]:
+    """Return the rounds up to the one that judged the curve, which it has chosen.
+
+    Like any curve that is chosen it is drawn as finely as the data tell.
+    """
     found, curve = rounds[better.index], better.curve
     before = left_out_errors(found.base, curve.errors.chunks.size)
     sure = probability(curve, found.judged, before, rule)
-    told = replace(found, chosen=curve, probability=sure, removed=())
+    bench = Bench.of(found.base, shop, f"round {better.index + 1}")
+    drawn = as_fine_as_told(bench, curve)
+    judged = tuple(drawn if one is curve else one for one in found.judged)
+    told = replace(found, judged=judged, chosen=drawn, probability=sure, removed=())
     return [*rounds[: better.index], told]

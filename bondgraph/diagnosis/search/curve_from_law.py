@@ -2,8 +2,9 @@
 
 From nothing a curve may not find its form where the model without it is far from the
 machine, and a law with a name does: an air spring is nearly a hardening one. Where a
-chosen law leaves much that is no noise, the curve is fitted from there as well, so that
-one can see whether the law is all there is.
+chosen law leaves much that is no noise, a curve at its place is fitted as well, from
+where the best law of the curve's own variable has ended, so that one can see whether
+that is all there is.
 """
 
 from collections.abc import Sequence
@@ -34,7 +35,7 @@ MUCH = 0.5
 def with_curve_drawn(
     bench: Bench, verdicts: Verdicts, tried: float, rule: Rule, noise: Array
 ) -> tuple[Judged, ...]:
-    """Return what was judged, with the curve that the chosen law may be part of.
+    """Return what was judged, with a curve that the chosen law may only come near to.
 
     Parameters
     ----------
@@ -48,7 +49,7 @@ def with_curve_drawn(
         return verdicts.judged
     if explainable(chosen.candidate.fitted, noise) <= MUCH:
         return verdicts.judged
-    trial = _trial(bench, chosen.candidate, verdicts.judged)
+    trial = _trial(bench, chosen.place, verdicts.judged)
     if trial is None:
         return verdicts.judged
     results = bench.run(fit_fully, [trial], "a curve from the law")
@@ -63,38 +64,37 @@ def with_curve_drawn(
     )
 
 
-def _trial(bench: Bench, chosen: Candidate, judged: Sequence[Judged]) -> Trial | None:
-    """Return a fit of the curve of the law's own variable, begun as the law is.
+def _trial(bench: Bench, there: str, judged: Sequence[Judged]) -> Trial | None:
+    """Return a fit of a curve at a place that was not judged yet.
 
-    None where that curve was judged already.
+    It begins as the best law that depends on the curve's own variable and nothing else.
     """
-    law = chosen.hypothesis
-    if not isinstance(law.edit, InsertElement) or not law.depends_on:
-        return None
-    places = all_places(bench.base.graph, measure_scales(bench.base))
-    for place in places:
-        if place.name != law.place or not isinstance(place, JunctionPlace):
+    laws = [
+        one.candidate
+        for one in sorted(judged, key=lambda one: -one.gain.value)
+        if one.place == there
+        and one.physics != CURVE
+        and isinstance(one.candidate.hypothesis.edit, InsertElement)
+    ]
+    known = {one.candidate.hypothesis.told_by for one in judged}
+    for place in all_places(bench.base.graph, measure_scales(bench.base)):
+        if place.name != there or not isinstance(place, JunctionPlace):
             continue
-        for curve in UnknownRelation().propose(place):
-            if _displaced(curve) == _displaced(law) and not _known(curve, judged):
-                return Trial(curve, (_as_the_law(chosen, curve, place),))
+        curves = [c for c in UnknownRelation().propose(place) if c.told_by not in known]
+        for law in laws:
+            for curve in curves:
+                if law.hypothesis.depends_on == curve.depends_on:
+                    return Trial(curve, (_as_the_law(law, curve, place),))
     return None
 
 
-def _as_the_law(chosen: Candidate, curve: Hypothesis, place: JunctionPlace) -> Start:
+def _as_the_law(law: Candidate, curve: Hypothesis, place: JunctionPlace) -> Start:
     """Return where the law has ended, with the heights of the curve on the law."""
     is_one = isinstance(place, OneJunctionPlace)
     local = Quantity.FLOW if is_one else Quantity.EFFORT
-    quantity = Quantity.DISPLACEMENT if _displaced(curve) else local
-    x, y = law_curve(chosen.fitted, chosen, quantity.value)
+    displaced = any(Quantity.DISPLACEMENT.value in one for one in curve.depends_on)
+    quantity = Quantity.DISPLACEMENT if displaced else local
+    x, y = law_curve(law.fitted, law, quantity.value)
     heights = np.interp(knots_at(place, quantity), x, y)
     on_it = dict(zip(curve.strengths, map(float, heights), strict=True))
-    return Start({**chosen.fitted.values, **on_it})
-
-
-def _displaced(law: Hypothesis) -> bool:
-    return any(Quantity.DISPLACEMENT.value in name for name in law.depends_on)
-
-
-def _known(curve: Hypothesis, judged: Sequence[Judged]) -> bool:
-    return any(one.candidate.hypothesis.told_by == curve.told_by for one in judged)
+    return Start({**law.fitted.values, **on_it})

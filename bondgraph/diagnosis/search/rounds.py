@@ -58,7 +58,7 @@ def search(
     if curve is None or not curve.is_told or shop.limit.passed:
         return rounds
     shop.progress("again, from a curve that no law with a name comes near to")
-    begun = with_curve(rounds, curve, options.rule)
+    begun = with_curve(rounds, curve, options.rule, shop)
     *before, last = chosen_in(begun)
     added = tuple(one.hypothesis for one in before)
     at = Reached(begun[0].base, begun[-1].base, added, noise)
