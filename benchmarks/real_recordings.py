@@ -114,7 +114,7 @@ def row(name: str, answer: dict[str, Any], seconds: str) -> str:
     }
     fit = answer["fit"]["held_out"]
     errors = ", ".join(
-        f"{channel} {before:.3g} → {fit['after']['rmse'][channel]:.3g}"
+        f"{channel} {before:.3g} → {_shown(fit['after']['rmse'][channel])}"
         for channel, before in fit["before"]["rmse"].items()
     )
     known = KNOWN[name]
@@ -129,6 +129,11 @@ def row(name: str, answer: dict[str, Any], seconds: str) -> str:
         seconds,
     )
     return f"| {' | '.join(cells)} |"
+
+
+def _shown(error: float | None) -> str:
+    """Return an error as the table has it; none of a model that does not run."""
+    return "does not run" if error is None else f"{error:.3g}"
 
 
 def judged(answer: dict[str, Any], name: str) -> str:

@@ -5,7 +5,7 @@ import pytest
 import sympy
 from scipy.integrate import solve_ivp
 
-from bondgraph import TF, BondGraph, C, I, R, Se, Sf, displacement, e, f, p, q, t
+from bondgraph import TF, BondGraph, C, I, R, Se, Sf, displacement, e, f, flow, p, q, t
 from bondgraph.fitting.estimate import prepare
 from bondgraph.simulation.shooting import Shots, shoot
 from bondgraph.simulation.solvers import Hold, Sdirk2, Sdirk3
@@ -440,3 +440,32 @@ def test_a_measured_displacement_starts_where_it_is_put():
     x0 = start(model, q_c=0.7)
     shot = simulate(model, ordered, one_window(np.linspace(0, 1, 11), np.zeros(11)), x0)
     assert shot.outputs[0].tolist() == [0.7, 0.0, 1.4]
+
+
+@pytest.mark.parametrize("rate", [64, 128, 256])
+@pytest.mark.parametrize("size", [0.05, 0.1, 0.3])
+def test_a_rod_without_mass_that_rubs_behind_play_is_simulated(rate, size):
+    """Sharp corners and a force that saturates: one step jumps over many of them."""
+    g = BondGraph("rod behind play", domain="translation")
+    z, x = displacement("memory"), displacement("contact")
+    rub, reach, gap, k, d = 9453.0, 0.00127, 0.001356, 9.9e6, 4.3e8
+
+    def beyond(at):
+        return sympy.Max(at - gap, 0) + sympy.Min(at + gap, 0)
+
+    v = flow("rod")
+    g.one("rod", R("viscous"), Se("offset", value=-429.0), Se("rub", value=-rub * z))
+    g.zero("node", Sf("rate", value=(v - abs(v) * z) / reach), C("memory", law=q))
+    g.zero("ends", Sf("velocity"))
+    losses = R("losses", law=d * f * abs(beyond(x)))
+    g.one("play", C("contact", law=k * beyond(q)), losses)
+    g.join("ends", "rod")
+    g.join("ends", "play")
+    g.measure("force", effort="ends")
+    g.prefer("losses", "effort")
+    model = prepare(g.finish())
+    time = np.arange(0.0, 4.0, 1 / rate)
+    shots = one_window(time, size * np.cos(4 * np.pi * time))
+    shot = simulate(model, np.array([0.0825]), shots, [0.0, 0.0])
+    assert shot.trouble == (None,)
+    assert np.quantile(abs(shot.outputs), 0.9) == pytest.approx(rub, rel=0.2)

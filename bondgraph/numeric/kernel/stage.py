@@ -26,7 +26,7 @@ from bondgraph.numeric.kernel.friction_modes import (
 from bondgraph.numeric.kernel.machine import run
 from bondgraph.numeric.kernel.stage_arrays import STICKS, System, Work
 
-ITERATIONS = 40
+ITERATIONS = 100  # damped, over sharp corners, many are needed
 TOLERANCE = 1e-7  # of the last Newton step; the error left is about its square
 ROUNDING = 1e-6
 SMALLEST_DAMPING = 1e-4

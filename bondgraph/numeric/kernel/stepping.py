@@ -12,7 +12,7 @@ from bondgraph.numeric.kernel.stage_arrays import STICKS, System, Work
 from bondgraph.numeric.kernel.steps import copy_start, stopped, take_step
 
 EVENTS = 8  # splits of one step; the rest is taken as it is
-SHORTEST = 1e-3  # of a step, down to which it is halved where it has no solution
+SHORTEST = 0.01  # of a step, down to which it is halved where it has no solution
 
 
 @lean
@@ -22,14 +22,15 @@ def advance(
 ) -> bool:  # fmt: skip
     """Take one step of size `h` in place, split where frictions stop.
 
-    Where frictions are and a step finds no solution, it is taken in halves.
+    Where a step finds no solution, it is taken in halves: sharp corners and steep
+    slopes that one step would jump over are met one by one.
     """
     whole, events, part = h, 0, h
     while h > GLANCE * whole or events == 0:
         part = min(part, h)
         start = 0.0
+        copy_start(system, work, steps, x, dx, n, work.held[0])
         if system.nd > 0:
-            copy_start(system, work, steps, x, dx, n, work.held[0])
             start, _ = margin_left(system, work, steps)
             if events >= EVENTS:  # too many: the rest of the step as it comes
                 for k in range(system.nd):
@@ -43,7 +44,7 @@ def advance(
             found = share >= 0.0
             events += 1
         if not found:
-            if system.nd == 0 or part < SHORTEST * whole:
+            if part < SHORTEST * whole:
                 return False
             work.held[0] = True
             copy_start(system, work, steps, x, dx, n, work.held[0])
