@@ -10,6 +10,7 @@ import importlib.util
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from inspect import signature
 from pathlib import Path
 from traceback import extract_tb
 from types import FunctionType, ModuleType
@@ -29,7 +30,8 @@ def load_model(reference: str, *, directory: Path | None = None) -> FinishedGrap
     ----------
     reference
         ``file.py:factory`` or ``package.module:factory``; the factory may be left out
-        where the file has exactly one function that returns a `BondGraph`.
+        where the file has exactly one function that returns a `BondGraph`, or, with
+        none annotated so, only one that can be called without arguments.
     directory
         Where relative files and modules are looked for; the working directory if None.
 
@@ -131,6 +133,10 @@ def _factory(
             )
         return found
     factories = {f.__name__: f for f in _factories(module)}
+    if not factories:
+        # One that says nothing of what it returns can only be it where it is alone.
+        silent = {f.__name__: f for f in _own(module) if _asks_nothing(f)}
+        factories = silent if len(silent) == 1 else {}
     if len(factories) == 1:
         return next(iter(factories.values()))
     if factories:
@@ -149,17 +155,33 @@ def _factory(
 
 def _factories(module: ModuleType) -> Iterator[FunctionType]:
     """Yield the module's own public functions annotated to return a graph."""
+    for function in _own(module):
+        returns = function.__annotations__.get("return")
+        named = getattr(returns, "__name__", "")
+        word = returns if isinstance(returns, str) else named
+        if word.rpartition(".")[2] in _GRAPH_NAMES:
+            yield function
+
+
+def _own(module: ModuleType) -> Iterator[FunctionType]:
+    """Yield the public functions that the module itself defines."""
     for name, member in vars(module).items():
-        if isinstance(member, FunctionType) and not name.startswith("_"):
-            returns = member.__annotations__.get("return")
-            word = (
-                returns
-                if isinstance(returns, str)
-                else getattr(returns, "__name__", "")
-            )
-            own = member.__module__ == module.__name__
-            if own and word.rpartition(".")[2] in _GRAPH_NAMES:
-                yield member
+        if not isinstance(member, FunctionType) or name.startswith("_"):
+            continue
+        if member.__module__ == module.__name__:
+            yield member
+
+
+def _asks_nothing(function: FunctionType) -> bool:
+    """Return whether a function can be called without arguments, and says no type."""
+    if "return" in function.__annotations__:
+        return False
+    needed = signature(function).parameters.values()
+    return all(
+        one.default is not one.empty
+        or one.kind in (one.VAR_POSITIONAL, one.VAR_KEYWORD)
+        for one in needed
+    )
 
 
 def _attribute(module: ModuleType, name: str, reference: str) -> object:

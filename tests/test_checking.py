@@ -88,6 +88,18 @@ def test_the_factory_may_be_left_out_where_there_is_one(tmp_path):
     assert load_model("cart.py", directory=tmp_path).name == "cart"
 
 
+def test_one_that_says_no_type_is_found_where_it_is_alone(tmp_path):
+    text = MACHINES.partition("def sprung")[0].replace(" -> BondGraph", "")
+    (tmp_path / "cart.py").write_text(text)
+    assert load_model("cart.py", directory=tmp_path).name == "cart"
+    helper = "\n\ndef stiff(times):\n    return times\n"
+    (tmp_path / "helped.py").write_text(text + helper)
+    assert load_model("helped.py", directory=tmp_path).name == "cart"
+    (tmp_path / "two.py").write_text(text + helper.replace("times", ""))
+    with pytest.raises(ModelLoadError, match="no function that returns"):
+        load_model("two.py", directory=tmp_path)
+
+
 def test_a_changed_file_is_loaded_afresh(folder):
     before = load_model("machines.py:cart", directory=folder)
     (folder / "machines.py").write_text(MACHINES.replace("2.0", "2.5"))

@@ -82,7 +82,11 @@ def test_a_law_without_strength_is_nothing_whatever_form_it_keeps(
 ):
     # Hysteresis without a force, and a share of it that would be told well.
     law = SimpleNamespace(
-        parameters=("size", "share"), strengths=("size",), physics="", place=""
+        parameters=("size", "share"),
+        strengths=("size",),
+        silent_starts=(),
+        physics="",
+        place="",
     )
     found = SimpleNamespace(
         hypothesis=law, fitted=SimpleNamespace(values={"size": 0.05, "share": 0.6})

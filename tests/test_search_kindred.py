@@ -19,6 +19,7 @@ from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.dynamics import Lag
 from bondgraph.physics.friction import CoulombFriction
+from bondgraph.physics.library import LIBRARY
 
 FRICTION = {"left": 0.8, "right": 1.3}
 
@@ -100,3 +101,28 @@ def test_of_many_kindred_laws_every_law_keeps_its_share(base, monkeypatch):
     monkeypatch.setattr(module, "MOST", 2)
     physics = [one.physics for one, _ in kindred(base.graph, hypotheses(base))]
     assert physics == ["coulomb_friction", "lag"]
+
+
+def test_what_is_read_at_a_bond_has_places_built_alike_too():
+    g = BondGraph("wound shaft", domain="rotation")
+    g.one("motor", Se("torque"), I("rotor"))
+    g.zero("shaft", C("twist"))
+    g.one("load", I("wheel"), R("bearing"))
+    g.join("motor", "shaft")
+    g.join("shaft", "load")
+    g.measure("passed_on", effort="shaft>load")
+    g.measure("turned", displacement="motor>shaft")
+    values = {"rotor": "kg*m^2", "wheel": "kg*m^2", "bearing": "N*m*s/rad"}
+    for name, unit in {**values, "twist": "rad/(N*m)"}.items():
+        g.parameter(name, 1.0, unit, bounds=(0, 10))
+    graph = g.finish()
+    rng = np.random.default_rng(3)
+    units = {"torque": "N*m", "passed_on": "N*m", "turned": "rad"}
+    channels = {name: (rng.normal(size=200), unit) for name, unit in units.items()}
+    time = 0.01 * np.arange(200)
+    run = bind_to(graph, Recording.from_arrays("run", time, channels))
+    fitted = fit_model(graph, [run], FitSettings())
+    proposed = propose_all(fitted, LIBRARY)
+    sensed = {one.place for one in proposed} & {"passed_on", "turned"}
+    assert sensed == {"passed_on", "turned"}
+    assert all(a.physics == b.physics for a, b in kindred(graph, proposed))

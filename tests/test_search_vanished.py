@@ -9,12 +9,17 @@ from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import Promised
 from bondgraph.diagnosis.search.fits import fit_best
 from bondgraph.diagnosis.search.trying import Start, Trial, fit_fully
-from bondgraph.diagnosis.search.vanished import has_vanished, without_vanished
+from bondgraph.diagnosis.search.vanished import (
+    has_vanished,
+    is_nothing,
+    without_vanished,
+)
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.fitting.horizon import Windows
 from bondgraph.physics.drag import QuadraticDrag
+from bondgraph.physics.hysteresis import DahlHysteresis
 from bondgraph.physics.modes import FlexibleMode
 from bondgraph.physics.places.everywhere import all_places
 
@@ -96,3 +101,12 @@ def test_a_fit_that_has_lost_its_law_begins_again_with_an_effect(bench):
 def test_a_law_without_a_state_has_not_vanished_where_it_is_small(bench):
     drag = fitted(bench, proposed(bench, QuadraticDrag()))
     assert not has_vanished(drag)
+
+
+def test_a_strength_of_next_to_nothing_is_none(bench):
+    law = proposed(bench, DahlHysteresis())
+    (size,) = law.strengths
+    begun = law.starts[-1]
+    assert begun[size] > 0.0
+    assert is_nothing(law, {**begun, size: 1e-9 * begun[size]})
+    assert not is_nothing(law, {**begun, size: 1e-3 * begun[size]})

@@ -15,9 +15,13 @@ ALONE_IN = "lowerleg_stance"
 
 
 def make(folder: Path, samples: int) -> None:
-    """Write the cases: each drive with all that is concealed, one with each alone."""
+    """Write the cases: each drive with all that is concealed, one with each alone.
+
+    With all, also as the leg's torque sensor sees it.
+    """
     for joint in JOINTS:
         write_case(folder, joint, ALL, SEED, samples)
+        write_case(folder, joint, ALL, SEED, samples, gauged=True)
         if joint.model == ALONE_IN:
             for one in ALONE:
                 write_case(folder, joint, one, SEED, samples)

@@ -45,6 +45,12 @@ TORQUE_STEP = 42.7e-3 * 20.0 / 2**14  # N·m: 14 bits over 10 A either way
 TORQUE_LIMIT = 42.7e-3 * 10.0  # N·m
 RATE = 200.0  # Hz
 
+ENCODER = Sensor(
+    name="theta", unit="rad", noise=math.radians(0.03), step=2 * math.pi / 2**14
+)
+GAUGE = Sensor(name="torque", unit="N*m", noise=0.05, step=60.0 / 2**12)
+"""The torque sensor between worm gear and joint (section 2.1.3); noise chosen."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Joint:
@@ -104,8 +110,11 @@ ALL = Concealed(worm=True, tendons=True, link=True, filter=True)
 ALONE = tuple(Concealed(**{name: True}) for name in Concealed.__slots__)
 
 
-def machine(joint: Joint, concealed: Concealed) -> Machine:
-    """Return the drive of `joint` as the simulator knows it."""
+def machine(joint: Joint, concealed: Concealed, *, gauged: bool = False) -> Machine:
+    """Return the drive of `joint` as the simulator knows it.
+
+    ``gauged`` where the leg's own torque sensor is recorded too.
+    """
     inertias, springs, dampers = [MOTOR_SIDE], [], []
     tendons = concealed.tendons and joint.tendons
     if tendons:
@@ -137,14 +146,7 @@ def machine(joint: Joint, concealed: Concealed) -> Machine:
         numbers=tuple(Number(name=str(i), value=x) for i, x in enumerate(numbers)),
         places=(Place(name="worm", row=(WORM, *(0.0 for _ in inertias[1:]))),),
         inputs=(("T_motor", "N*m"),),
-        sensors=(
-            Sensor(
-                name="theta",
-                unit="rad",
-                noise=math.radians(0.03),
-                step=2 * math.pi / 2**14,
-            ),
-        ),
+        sensors=(ENCODER, GAUGE) if gauged else (ENCODER,),
         drive=Drive(
             size=1.0,
             band=(0.3, 8.0),

@@ -39,30 +39,50 @@ def leg() -> BondGraph:
     )
     return models.{model}(ParameterSet(known))
 '''
+GAUGED = """    drive = models.{model}(ParameterSet(known))
+    drive.measure("torque", effort="K_worm_gear>joint")
+    return drive
+"""
 
 
 def record(
-    joint: Joint, concealed: Concealed, kind: str, seed: int, samples: int = 1500
+    joint: Joint,
+    concealed: Concealed,
+    kind: str,
+    seed: int,
+    samples: int = 1500,
+    *,
+    gauged: bool = False,
 ) -> Run:
     """Return one recording of a joint's drive."""
-    drive = replace(machine(joint, concealed), samples=samples)
+    drive = replace(machine(joint, concealed, gauged=gauged), samples=samples)
     return simulate(drive, _plan(drive, kind, seed), effects(concealed), scales=SCALES)
 
 
 def write_case(
-    folder: Path, joint: Joint, concealed: Concealed, seed: int, samples: int = 1500
+    folder: Path,
+    joint: Joint,
+    concealed: Concealed,
+    seed: int,
+    samples: int = 1500,
+    *,
+    gauged: bool = False,
 ) -> Path:
     """Write model and recordings of a joint into a folder of their own.
 
     The seeds of the three recordings are `seed` and the two after it.
     """
-    place = folder / f"{joint.model}_{concealed.name}"
+    sensors = "_gauged" if gauged else ""
+    place = folder / f"{joint.model}_{concealed.name}{sensors}"
     place.mkdir(parents=True, exist_ok=True)
     for i, (name, kind) in enumerate({**TRAINING, **HELD_OUT}.items()):
-        _write(place / f"{name}.csv", record(joint, concealed, kind, seed + i, samples))
+        run = record(joint, concealed, kind, seed + i, samples, gauged=gauged)
+        _write(place / f"{name}.csv", run)
     limb, _, phase = joint.model.partition("_")
     title = f"The {limb} in {phase}"
-    text = MODEL.format(title=title, limb=limb, model=joint.model)
+    plain = "    return models.{model}(ParameterSet(known))\n"
+    model = MODEL.replace(plain, GAUGED) if gauged else MODEL
+    text = model.format(title=title, limb=limb, model=joint.model)
     (place / "model.py").write_text(text, "utf-8")
     told = {
         "model": "model.py",
@@ -78,6 +98,7 @@ def _plan(drive: Machine, kind: str, seed: int) -> Plan:
     random = np.random.default_rng(seed)
     time = np.arange(drive.samples) / drive.rate
     feed, reference = np.zeros((len(time), 1)), np.zeros((len(time), 1))
+    shape = (len(time), len(drive.sensors))
     if kind == "multisine":
         feed[:, 0] = TORQUE * excitation(kind, time, drive.drive.band, random)
     else:
@@ -86,13 +107,14 @@ def _plan(drive: Machine, kind: str, seed: int) -> Plan:
         time=time,
         feed=feed,
         reference=reference,
-        noise=random.normal(size=feed.shape) * drive.sensors[0].noise,
-        early=np.zeros(feed.shape, np.int64),
+        noise=random.normal(size=shape) * [sensor.noise for sensor in drive.sensors],
+        early=np.zeros(shape, np.int64),
         closed=True,
     )
 
 
 def _write(path: Path, run: Run) -> None:
     columns = np.column_stack((run.time, run.commands, run.readings))
-    header = "time [s],T_motor [N*m],theta [rad]"
+    sensors = ("theta [rad]", "torque [N*m]")[: run.readings.shape[1]]
+    header = ",".join(("time [s]", "T_motor [N*m]", *sensors))
     np.savetxt(path, columns, "%.9g", delimiter=",", header=header, comments="")

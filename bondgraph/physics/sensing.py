@@ -135,5 +135,5 @@ def _origin_is_free(place: OutputPlace) -> bool:
     if any(own in signals_in(law) for law in laws):
         return False
     ends = (graph.node(bond.other(own.place)) for bond in graph.bonds_at(own.place))
-    here = (graph.node(own.place), *ends)
+    here = (graph.by_name.get(own.place), *ends)
     return not any(isinstance(node, Compliance) for node in here)

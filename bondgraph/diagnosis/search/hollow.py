@@ -15,6 +15,7 @@ from bondgraph.diagnosis.search.one_round import Round, chosen_in
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.plainer import as_good
 from bondgraph.diagnosis.search.removal import fitted_with, gone_from
+from bondgraph.diagnosis.search.vanished import is_nothing
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.uncertainty import uncertainty
@@ -53,6 +54,8 @@ def ends_as_nothing(final: FittedModel, found: Candidate) -> bool:
 
     A form that stays, the share of a hysteresis that is none, is not a number of it.
     """
+    if is_nothing(found.hypothesis, final.values):
+        return True
     problem, theta = final.problem, final.optimum.theta
     stds = dict(
         zip(problem.free_names, uncertainty(problem, final.optimum).std, strict=True)

@@ -17,7 +17,7 @@ from bondgraph.diagnosis.search.candidates import Candidate, is_named
 from bondgraph.diagnosis.search.trying import Start, Trial, fit_briefly
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.structure.edits import SeveralEdits, SingleEdit
-from bondgraph.structure.graph import FinishedGraph
+from bondgraph.structure.graph import Bond, FinishedGraph
 from bondgraph.structure.signals import signals_in
 
 Kin = tuple[Hypothesis, Hypothesis]
@@ -124,4 +124,6 @@ def _built(graph: FinishedGraph, place: str) -> Hashable:
 
 
 def _type(graph: FinishedGraph, name: str) -> str:
-    return type(graph.node(name)).__name__
+    """Return what a node is; of a bond or port that is read, that it is one."""
+    node = graph.by_name.get(name)
+    return Bond.__name__ if node is None else type(node).__name__

@@ -22,6 +22,7 @@ from bondgraph.diagnosis.search.candidates import (
     propose_all,
 )
 from bondgraph.diagnosis.search.curve_from_law import with_curve_drawn
+from bondgraph.diagnosis.search.elsewhere import begun_elsewhere
 from bondgraph.diagnosis.search.finer import as_fine_as_told
 from bondgraph.diagnosis.search.fits import fit_best, fit_remembering
 from bondgraph.diagnosis.search.options import Options
@@ -144,6 +145,7 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
     leading = promising(screened.promised, options)
     order = {one.told_by: i for i, one in enumerate(hypotheses)}
     fitted = fit_best(bench, leading, HOPELESS, options.judged)
+    fitted = begun_elsewhere(bench, fitted, setting.noise)
     seen = _judged(setting, bench, fitted, order, screened.independent)
     nothing = setting.is_first and not seen.has_named
     if nothing and explainable(base, setting.noise) > MUCH:

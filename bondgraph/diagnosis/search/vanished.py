@@ -7,7 +7,7 @@ from there, for all that it has learnt is in those states; it is begun again wit
 effect, and set aside where it ends there again.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from bondgraph.diagnosis.search.candidates import Candidate, Rejected
 from bondgraph.diagnosis.search.trying import Start, Trial
@@ -17,6 +17,9 @@ REASON = (
     "nothing is left of it where it fits best: only states that are set anew in every "
     "window explain"
 )
+
+NOTHING = 1e-6
+"""A strength of less than this share of where it would begin with an effect is none."""
 
 
 def begun_again(candidates: Sequence[Candidate]) -> list[Trial]:
@@ -44,12 +47,19 @@ def without_vanished(
 
 
 def has_vanished(candidate: Candidate) -> bool:
-    """Return whether no strength is above the start that is as good as none."""
-    hypothesis, values = candidate.hypothesis, candidate.fitted.values
+    """Return whether no strength is above a start that is as good as none."""
+    return is_nothing(candidate.hypothesis, candidate.fitted.values)
+
+
+def is_nothing(hypothesis: Hypothesis, values: Mapping[str, float]) -> bool:
+    """Return whether no strength of a law is above what is as good as none."""
     if not hypothesis.strengths or not hypothesis.silent_starts:
         return False
-    none = hypothesis.silent_starts[0]
-    return all(0.0 < abs(values[n]) <= abs(none[n]) for n in hypothesis.strengths)
+    none, some = hypothesis.silent_starts[0], _with_effect(hypothesis)
+    return all(
+        0.0 < abs(values[n]) <= max(abs(none[n]), NOTHING * abs(some[n]))
+        for n in hypothesis.strengths
+    )
 
 
 def _with_effect(hypothesis: Hypothesis) -> dict[str, float]:
