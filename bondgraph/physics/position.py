@@ -217,25 +217,25 @@ class Cogging(AbstractPhysics):
     reference = "detent torque of permanent magnet machines: Hanselman 2006"
     passivity = Passivity.STORING
     signature = "ripple fixed to the position, whose frequency rises with speed"
-    turns = (2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 14, 15, 16, 18, 20, 21, 24, 28, 30)
-    cycles = (1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0)
-
+    turns = (*range(2, 101), 120, 144, 200)
+    cycles = tuple(0.5 * half for half in range(3, 65))
     domains = MECHANICAL
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it where the displacement is known.
 
-        Whole numbers per turn are tried on a shaft (once per turn is gravity's law),
-        numbers of periods over the way elsewhere.
+        Whole numbers per turn are tried on a shaft that turns round (once per turn is
+        gravity's law), numbers of periods over the way elsewhere: halves of them, for
+        between two numbers that differ by one a fit does not find its way.
         """
         if not isinstance(place, OneJunctionPlace) or not self.suits(place):
             return
         if not place.displacement_known:
             return
-        shaft = place.domain == ROTATION
         low, high = place.displacement_range
+        turns = place.domain == ROTATION and high - low > 2.0 * math.pi
         along = tuple(2.0 * math.pi * n / (high - low) for n in self.cycles)
-        waves = tuple(map(float, self.turns)) if shaft else along
+        waves = tuple(map(float, self.turns)) if turns else along
         n = place.shape("cogging_wave", place.per("1", Q), waves, low=0.5 * waves[0])
         a = place.strength("cogging_sine", place.unit(E))
         b = place.strength("cogging_cosine", place.unit(E))

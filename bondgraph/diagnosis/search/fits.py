@@ -23,7 +23,7 @@ from bondgraph.diagnosis.search.trying import (
     fit_on,
     fit_what_remembers,
 )
-from bondgraph.diagnosis.search.vanished import begun_again
+from bondgraph.diagnosis.search.vanished import begun_again, is_nothing
 from bondgraph.diagnosis.work.journal import Plain
 from bondgraph.diagnosis.work.workers import Work
 from bondgraph.physics.hypothesis import Hypothesis
@@ -34,6 +34,9 @@ KEPT_PROMISE = 0.8
 
 ON_THE_WAY = 0.4
 """A law that has come so far towards the leading one and has not ended may pass it."""
+
+BEGUN_AGAIN = 2
+"""Laws that a fit has let go of are begun again with an effect, at most so many."""
 
 WIDER = 4
 """Laws that contain the leading one are tried from its optimum, at most so many."""
@@ -92,6 +95,16 @@ class ShortFit:
     hypothesis: Hypothesis
     result: Plain
 
+    @property
+    def is_there(self) -> bool:
+        """Whether anything is left of the law: else new states explain, and lead all."""
+        return not is_nothing(self.hypothesis, self.result["values"])
+
+    @property
+    def is_named(self) -> bool:
+        """Whether it is a law with a name, of which something is left."""
+        return self.hypothesis.physics != CURVE and self.is_there
+
     def as_start(self, *, with_states: bool, finer: int = 1) -> Trial:
         """Return the trial that goes on from here, with so many times the substeps."""
         states = np.array(self.result["initial"]) if with_states else None
@@ -117,13 +130,14 @@ def _kept(reached: Sequence[ShortFit], keep: float, most: int) -> list[ShortFit]
     """Return those that lead, and what they contain, however far that has come.
 
     Whether the additions of a wider law are needed is seen beside the narrower one.
+    What leads with nothing left of it does not count against others.
     """
-    best, lead = reached[0].reduction, _lead(reached)
+    there = [one for one in reached if one.is_there]
+    best, lead = _best(there), _best([one for one in there if one.is_named])
     leading = [
-        one
-        for one in reached
-        if one.reduction >= keep * (best if one.hypothesis.physics == CURVE else lead)
+        one for one in there if one.reduction >= keep * (lead if one.is_named else best)
     ][:most]
+    leading += [one for one in reached if not one.is_there][:BEGUN_AGAIN]
     narrower = [
         one
         for one in reached
@@ -133,10 +147,9 @@ def _kept(reached: Sequence[ShortFit], keep: float, most: int) -> list[ShortFit]
     return [*leading, *narrower]
 
 
-def _lead(reached: Sequence[ShortFit]) -> float:
-    """Return the largest reduction by a law with a name."""
-    named = (one.reduction for one in reached if one.hypothesis.physics != CURVE)
-    return max(named, default=-np.inf)
+def _best(reached: Sequence[ShortFit]) -> float:
+    """Return the largest reduction."""
+    return max((one.reduction for one in reached), default=-np.inf)
 
 
 def _gone_on(bench: Bench, reached: list[ShortFit], most: int) -> list[ShortFit]:
@@ -145,7 +158,7 @@ def _gone_on(bench: Bench, reached: list[ShortFit], most: int) -> list[ShortFit]
     Of two laws fitted briefly the one that has more to learn is behind, the right one
     too: beside a large effect all other numbers of the model are wrong at first.
     """
-    lead = _lead(reached)
+    lead = _best([one for one in reached if one.is_named])
     coming = [
         one
         for one in reached

@@ -7,6 +7,7 @@ hypotheses goes on to the next, dearer stage.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from bondgraph.diagnosis.search.trying import Trial, promise
 from bondgraph.physics.hypothesis import Hypothesis
 
 Array = NDArray[np.float64]
+STARTS = 6
+"""From so many forms of a law that differ from start to start a fit begins."""
 
 
 def screen(bench: Bench, hypotheses: Sequence[Hypothesis]) -> Screened:
@@ -29,12 +32,24 @@ def screen(bench: Bench, hypotheses: Sequence[Hypothesis]) -> Screened:
         if "refused" in result:
             rejected.append(Rejected(hypothesis, result["refused"]))
         else:
-            promised.append(Promised(hypothesis, result["promised"]))
+            begun = _begun_best(hypothesis, result.get("order", ()))
+            promised.append(Promised(begun, result["promised"]))
     promised.sort(key=lambda one: -one.reduction)
     others = len(promised) - len(chance)
     return Screened(
         tuple(promised), tuple(rejected), effective_number(np.array(chance)) + others
     )
+
+
+def _begun_best(hypothesis: Hypothesis, order: Sequence[int]) -> Hypothesis:
+    """Return a law that differs in its form only from start to start, from the best.
+
+    Of many forms, a ripple's lengths for instance, a fit from most would be in vain.
+    """
+    starts = hypothesis.starts
+    if len(starts) <= STARTS or len(order) < len(starts):
+        return hypothesis
+    return replace(hypothesis, starts=tuple(starts[i] for i in order[:STARTS]))
 
 
 def effective_number(chance: Array) -> float:

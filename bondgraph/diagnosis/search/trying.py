@@ -91,6 +91,7 @@ def promise(baseline: Baseline, trial: Trial) -> Plain:
     Davies, Biometrika 64, 1977), with what it promises of surrogates of the residual.
     A law that waits for something to be reached shows nothing there; what its starts
     take away as they are counts as well. Else, what a few steps of a fit reach.
+    ``order`` tells which of the starts promise most.
     """
     if trial.hypothesis.silent_starts:
         return _or_refused(lambda: _scored(baseline, trial))
@@ -107,12 +108,14 @@ def _scored(baseline: Baseline, trial: Trial) -> Plain:
         for theta in thetas(quick, hypothesis, problem, hypothesis.silent_starts)
     ]
     promised = [score.promised for score in scores]
+    order = sorted(range(len(scores)), key=lambda i: -promised[i])
     if hypothesis.waits:
         promised.append(_at_its_starts(baseline.fitted, trial))
     chance = np.max([score.by_chance for score in scores], axis=0)
     return {
         "promised": max(promised),
         "by_chance": [round(float(share), 6) for share in chance],
+        "order": order,
     }
 
 
