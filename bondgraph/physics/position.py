@@ -236,7 +236,9 @@ class Cogging(AbstractPhysics):
         turns = place.domain == ROTATION and high - low > 2.0 * math.pi
         along = tuple(2.0 * math.pi * n / (high - low) for n in self.cycles)
         waves = tuple(map(float, self.turns)) if turns else along
-        n = place.shape("cogging_wave", place.per("1", Q), waves, low=0.5 * waves[0])
+        # A period and less over the way is a spring that is not straight.
+        least = 1.0 if turns else along[0]
+        n = place.shape("cogging_wave", place.per("1", Q), waves, low=least)
         a = place.strength("cogging_sine", place.unit(E))
         b = place.strength("cogging_cosine", place.unit(E))
         law = a.symbol * sympy.sin(n.symbol * q) + b.symbol * sympy.cos(n.symbol * q)

@@ -21,6 +21,7 @@ from bondgraph.diagnosis.search.trying import (
     fit_briefly,
     fit_fully,
     fit_on,
+    fit_what_forgets,
     fit_what_remembers,
 )
 from bondgraph.diagnosis.search.vanished import begun_again, is_nothing
@@ -48,6 +49,14 @@ def fit_remembering(
     """Fit hypotheses with states of their own, whatever they promise, as `fit_best`."""
     everything = [Promised(one.hypothesis, 1.0) for one in others]
     return fit_best(bench, everything, keep, most, work=fit_what_remembers)
+
+
+def fit_whatever(
+    bench: Bench, others: Sequence[Promised], keep: float, most: int
+) -> list[Candidate]:
+    """Fit hypotheses without states of their own, whatever they promise."""
+    everything = [Promised(one.hypothesis, 1.0) for one in others]
+    return fit_best(bench, everything, keep, most, work=fit_what_forgets)
 
 
 def fit_best(
@@ -97,7 +106,7 @@ class ShortFit:
 
     @property
     def is_there(self) -> bool:
-        """Whether anything is left of the law: else new states explain, and lead all."""
+        """Whether anything is left of the law, and not only new states explain."""
         return not is_nothing(self.hypothesis, self.result["values"])
 
     @property

@@ -24,8 +24,13 @@ from bondgraph.diagnosis.search.candidates import (
 from bondgraph.diagnosis.search.curve_from_law import with_curve_drawn
 from bondgraph.diagnosis.search.elsewhere import begun_elsewhere
 from bondgraph.diagnosis.search.finer import as_fine_as_told
-from bondgraph.diagnosis.search.fits import fit_best, fit_remembering
+from bondgraph.diagnosis.search.fits import (
+    fit_best,
+    fit_remembering,
+    fit_whatever,
+)
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.runaway import run_away
 from bondgraph.diagnosis.search.screening import screen
 from bondgraph.diagnosis.search.worth import holds_for_whole, worth_judging
 from bondgraph.diagnosis.work.workers import Workshop
@@ -39,6 +44,11 @@ MUCH = 0.5
 """A residual of which so much is not noise, and for which no named law is found, is
 looked at again: what remembers promises little from afar, for it changes what all other
 numbers are. Behind a first finding that would cost more than it has ever shown.
+"""
+
+FAR_AWAY = 10.0
+"""Of a model whose values have left the stated ones by so many times, what is found and
+leaves much is held against all that promises nothing from there.
 """
 
 HOPELESS = 0.75
@@ -147,13 +157,16 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
     fitted = fit_best(bench, leading, HOPELESS, options.judged)
     fitted = begun_elsewhere(bench, fitted, setting.noise)
     seen = _judged(setting, bench, fitted, order, screened.independent)
-    nothing = setting.is_first and not seen.has_named
-    if nothing and explainable(base, setting.noise) > MUCH:
+    if setting.is_first and explainable(base, setting.noise) > MUCH:
         first = {id(one.hypothesis) for one in leading}
         others = [one for one in screened.promised if id(one.hypothesis) not in first]
-        fitted = fit_remembering(bench, others, HOPELESS, options.judged)
         tried = screened.independent + len(others)
-        seen = _judged(setting, bench, fitted, order, tried, seen)
+        # From a model that has run away no promise says anything.
+        ways = (fit_whatever, fit_remembering) if run_away(base) else (fit_remembering,)
+        for fit in ways:
+            if not _suffices(seen, setting):
+                fitted = fit(bench, others, HOPELESS, options.judged)
+                seen = _judged(setting, bench, fitted, order, tried, seen)
     verdicts, first_choice = seen.verdicts, seen.verdicts.chosen
     chosen = None if first_choice is None else as_fine_as_told(bench, first_choice)
     judged = with_curve_drawn(
@@ -213,6 +226,15 @@ def _judged(
         bench, worth, tried, rule, setting.noise, setting.holds, seen.verdicts
     )
     return _Seen(verdicts, (*seen.rejected, *rejected))
+
+
+def _suffices(seen: "_Seen", setting: Setting) -> bool:
+    """Return whether a law with a name was found, and not only from far away."""
+    chosen = seen.verdicts.chosen
+    if chosen is None or not seen.has_named:
+        return False
+    near = not run_away(setting.base, FAR_AWAY)
+    return near or explainable(chosen.candidate.fitted, setting.noise) <= MUCH
 
 
 @dataclass(frozen=True, slots=True)

@@ -133,14 +133,20 @@ def fit_briefly(base: FittedModel, trial: Trial) -> Plain:
 
 def fit_what_remembers(base: FittedModel, trial: Trial) -> Plain:
     """Return a short fit of a hypothesis that adds a state; others are refused."""
+    return _or_refused(lambda: _fitted_if(base, trial, remembers=True))
 
-    def fitted() -> Plain:
-        problem = pose_hypothesis(base, trial.hypothesis)
-        if problem.model.n_states <= base.problem.model.n_states:
-            raise BondGraphError("It remembers nothing.", (trial.hypothesis.place,))
-        return _fitted(base, trial, SHORT_ITERATIONS)
 
-    return _or_refused(fitted)
+def fit_what_forgets(base: FittedModel, trial: Trial) -> Plain:
+    """Return a short fit of a hypothesis that adds no state; others are refused."""
+    return _or_refused(lambda: _fitted_if(base, trial, remembers=False))
+
+
+def _fitted_if(base: FittedModel, trial: Trial, *, remembers: bool) -> Plain:
+    problem = pose_hypothesis(base, trial.hypothesis)
+    if (problem.model.n_states > base.problem.model.n_states) is not remembers:
+        words = "It remembers nothing." if remembers else "It remembers something."
+        raise BondGraphError(words, (trial.hypothesis.place,))
+    return _fitted(base, trial, SHORT_ITERATIONS)
 
 
 def fit_on(base: FittedModel, trial: Trial) -> Plain:
