@@ -20,7 +20,7 @@ from bondgraph.diagnosis.evidence.gain import Gain
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support, Verdict
 from bondgraph.diagnosis.search.candidates import Candidate, propose_all
-from bondgraph.diagnosis.search.one_round import Round
+from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.fitting.horizon import Windows
 from bondgraph.loading import load_model

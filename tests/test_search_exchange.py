@@ -12,8 +12,8 @@ from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.exchange import Reached, exchanged
-from bondgraph.diagnosis.search.one_round import Round
 from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.drag import QuadraticDrag, SpeedLimit
 from bondgraph.physics.friction import CoulombFriction

@@ -10,9 +10,9 @@ from bondgraph import Recording, bind_to
 from bondgraph.diagnosis.search import hollow
 from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.hollow import ends_as_nothing, without_hollow
-from bondgraph.diagnosis.search.one_round import Round, accepted
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.diagnosis.search.round_found import Round, accepted
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.drag import QuadraticDrag
 from bondgraph.physics.friction import CoulombFriction

@@ -16,10 +16,10 @@ from bondgraph.diagnosis.evidence.gain import Gain
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.candidates import Candidate
-from bondgraph.diagnosis.search.one_round import Round
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.plainer import without_needless_parts
 from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.friction import CoulombFriction, StribeckFriction
 

@@ -77,6 +77,9 @@ def test_a_law_of_the_model_itself_may_not_go_for_a_later_finding():
     # What had come down already and is a third of that is still there.
     little = {"friction": 0.4, "offset": 0.9}
     assert gone_from({"friction": 1.2}, little, stds, [], given) is None
+    # Nor one of which the recordings do not tell that it is none.
+    wide = {"friction": 0.4}
+    assert gone_from({"friction": 1.0}, gone, wide, [], given) is None
     # An offset may be zero, and a friction that was swollen may shrink.
     assert gone_from(before, {"friction": 0.9, "offset": 0.0}, stds, [], given) is None
 

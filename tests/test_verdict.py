@@ -20,8 +20,8 @@ from bondgraph.diagnosis.answer.verdict import (
 from bondgraph.diagnosis.answer.wording import next_experiment
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.candidates import CURVE, Rejected
-from bondgraph.diagnosis.search.one_round import Round
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.recordings.binding import bind
 from bondgraph.recordings.recording import Recording
 

@@ -21,8 +21,8 @@ from bondgraph.diagnosis.answer.verdict import (
     worse_held_out,
 )
 from bondgraph.diagnosis.records import Comparison, Finding, Verdict
-from bondgraph.diagnosis.search.one_round import Round, accepted
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.round_found import Round, accepted
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
 

@@ -14,7 +14,7 @@ from bondgraph.diagnosis.answer.wording import hedged
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Finding
 from bondgraph.diagnosis.search.candidates import CURVE
-from bondgraph.diagnosis.search.one_round import Round
+from bondgraph.diagnosis.search.round_found import Round
 
 MUCH_REMAINING = 0.1
 """More than this share of the error is worth saying that it remains."""

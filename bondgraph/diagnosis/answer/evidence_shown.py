@@ -9,8 +9,8 @@ from bondgraph.diagnosis.answer.showing import simulate_whole
 from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.evidence.decision import Judged, clearly_better
 from bondgraph.diagnosis.records import Evidence, Support
-from bondgraph.diagnosis.search.one_round import Round
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.spread import changes, spread
 

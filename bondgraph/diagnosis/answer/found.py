@@ -11,8 +11,8 @@ from bondgraph.diagnosis.evidence.gain import MERE_SHAPE, beside_earlier
 from bondgraph.diagnosis.records import Finding, Support
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.diagnosis.search.curve_beside import BetterCurve, better_curve
-from bondgraph.diagnosis.search.one_round import Round, accepted
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.round_found import Round, accepted
 from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording
 

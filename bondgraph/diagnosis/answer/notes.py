@@ -8,8 +8,8 @@ from typing import Any
 from bondgraph.diagnosis.answer.evidence_shown import wider_than_chosen
 from bondgraph.diagnosis.answer.wording import listed, name_of
 from bondgraph.diagnosis.evidence.decision import Judged
-from bondgraph.diagnosis.search.one_round import Round
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.diagnosis.work.limit import OUT_OF_TIME
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.result import FitResult

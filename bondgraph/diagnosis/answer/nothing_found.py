@@ -17,7 +17,7 @@ from bondgraph.diagnosis.answer.leftover import (
 )
 from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.records import Support, Verdict
-from bondgraph.diagnosis.search.one_round import Round
+from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.fitting.estimate import FittedModel
 
 NOTHING = (AdequacyStatus.ADEQUATE, AdequacyStatus.COLOURED)

@@ -15,7 +15,7 @@ from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.experiment.next_experiment import next_experiment
 from bondgraph.diagnosis.experiment.records import Experiment, ExperimentStatus
 from bondgraph.diagnosis.records import Support, Verdict
-from bondgraph.diagnosis.search.one_round import Round
+from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording

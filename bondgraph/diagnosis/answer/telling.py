@@ -19,8 +19,8 @@ from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.records import Comparison, Diagnosis
 from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.horizons import refitted
-from bondgraph.diagnosis.search.one_round import Round, accepted
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.round_found import Round, accepted
 from bondgraph.fitting.estimate import FittedModel, report
 from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording

@@ -10,7 +10,7 @@ from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.records import Comparison, Finding, Support, Verdict
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.diagnosis.search.horizons import SAME
-from bondgraph.diagnosis.search.one_round import Round, accepted
+from bondgraph.diagnosis.search.round_found import Round, accepted
 from bondgraph.fitting.estimate import FittedModel
 
 MOST_REMAINING = 0.5

@@ -21,7 +21,7 @@ from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.diagnosis.search.finer import as_fine_as_told
-from bondgraph.diagnosis.search.one_round import Round, accepted
+from bondgraph.diagnosis.search.round_found import Round, accepted
 from bondgraph.diagnosis.search.together import explained
 from bondgraph.diagnosis.work.workers import Workshop
 

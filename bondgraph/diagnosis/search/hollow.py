@@ -11,10 +11,10 @@ from dataclasses import replace
 from bondgraph.diagnosis.answer.doubt import none_told
 from bondgraph.diagnosis.search.candidates import CURVE, Candidate
 from bondgraph.diagnosis.search.horizons import sharpened
-from bondgraph.diagnosis.search.one_round import Round, chosen_in
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.plainer import as_good
 from bondgraph.diagnosis.search.removal import fitted_with, gone_from
+from bondgraph.diagnosis.search.round_found import Round, chosen_in
 from bondgraph.diagnosis.search.vanished import is_nothing
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel

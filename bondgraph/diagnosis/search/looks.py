@@ -22,9 +22,9 @@ from bondgraph.diagnosis.search.beyond_noise import within
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.diagnosis.search.hollow import without_hollow
 from bondgraph.diagnosis.search.horizons import sharpened
-from bondgraph.diagnosis.search.one_round import Round, accepted, chosen_in
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.plainer import without_needless_parts
+from bondgraph.diagnosis.search.round_found import Round, accepted, chosen_in
 from bondgraph.diagnosis.search.rounds import search
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.automatic import grows

@@ -9,9 +9,10 @@ from dataclasses import replace
 from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.candidates import CURVE, Candidate
+from bondgraph.diagnosis.search.considered import Setting
 from bondgraph.diagnosis.search.exchange import Exchanged, Reached, exchanged
-from bondgraph.diagnosis.search.one_round import Round, Setting, chosen_in
 from bondgraph.diagnosis.search.removal import Pruned, pruned, swallowed
+from bondgraph.diagnosis.search.round_found import Round, chosen_in
 from bondgraph.diagnosis.search.together import explained, two_rounds
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.estimate import FittedModel

@@ -10,17 +10,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.evidence.judging import Verdicts, judge_all
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.beyond_noise import explainable
 from bondgraph.diagnosis.search.candidates import (
     CURVE,
     Candidate,
-    Promised,
     Rejected,
-    propose_all,
 )
+from bondgraph.diagnosis.search.considered import Setting, considered, promising
 from bondgraph.diagnosis.search.curve_from_law import with_curve_drawn
 from bondgraph.diagnosis.search.elsewhere import begun_elsewhere
 from bondgraph.diagnosis.search.finer import as_fine_as_told
@@ -29,14 +27,11 @@ from bondgraph.diagnosis.search.fits import (
     fit_remembering,
     fit_whatever,
 )
-from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.diagnosis.search.runaway import run_away
 from bondgraph.diagnosis.search.screening import screen
-from bondgraph.diagnosis.search.worth import holds_for_whole, worth_judging
+from bondgraph.diagnosis.search.worth import worth_judging
 from bondgraph.diagnosis.work.workers import Workshop
-from bondgraph.fitting.estimate import FittedModel
-from bondgraph.physics.hypothesis import Hypothesis
-from bondgraph.recordings.binding import BoundRecording
 
 Array = NDArray[np.float64]
 
@@ -55,102 +50,11 @@ HOPELESS = 0.75
 """A candidate with less than this share of the best reduction is not judged."""
 
 
-@dataclass(frozen=True, slots=True)
-class Round:
-    """What one round of search found.
-
-    Parameters
-    ----------
-    base
-        The model the round started from.
-    tried, independent
-        How many hypotheses were considered, and to how many independent ones they
-        amount.
-    judged, promised, rejected
-        Candidates judged on left-out data, what every hypothesis promised, and those
-        that could not be tried or determined.
-    chosen
-        The one accepted, if any.
-    probability
-        Of its physics being the best of those judged.
-    removed
-        What earlier rounds had added and is needless beside it.
-    cut_short
-        Whether time ran out before all had been tried.
-    """
-
-    base: FittedModel
-    tried: int = 0
-    independent: float = 0.0
-    judged: tuple[Judged, ...] = ()
-    promised: tuple[Promised, ...] = ()
-    rejected: tuple[Rejected, ...] = ()
-    chosen: Judged | None = None
-    probability: float | None = None
-    removed: tuple[Hypothesis, ...] = ()
-    cut_short: bool = False
-
-
-def accepted(rounds: Sequence[Round]) -> list[Round]:
-    """Return the rounds whose addition was made and not taken out by a later one."""
-    removed = {id(hypothesis) for found in rounds for hypothesis in found.removed}
-    return [
-        found
-        for found in rounds
-        if found.chosen is not None
-        and id(found.chosen.candidate.hypothesis) not in removed
-    ]
-
-
-def chosen_in(rounds: Sequence[Round]) -> list[Candidate]:
-    """Return what was accepted, in the order of the rounds."""
-    kept = (found.chosen for found in accepted(rounds))
-    return [chosen.candidate for chosen in kept if chosen is not None]
-
-
-@dataclass(frozen=True, slots=True)
-class Setting:
-    """What a round of search starts from.
-
-    Parameters
-    ----------
-    base
-        The model to improve.
-    recordings
-        Those that it was fitted to.
-    noise
-        Residual per output that noise excuses, 0 where it is not known.
-    number
-        Of the round, from 1.
-    found
-        What earlier rounds have added and not taken out: no law is added twice.
-    curves
-        Whether curves without a name are considered.
-    """
-
-    base: FittedModel
-    recordings: Sequence[BoundRecording]
-    noise: Array
-    options: Options
-    number: int
-    found: tuple[Hypothesis, ...]
-    curves: bool
-
-    @property
-    def is_first(self) -> bool:
-        """Whether this is the first round."""
-        return self.number == 1
-
-    def holds(self, candidate: Candidate) -> bool:
-        """Return whether whole recordings are simulated about as well with it."""
-        return holds_for_whole(self.base, candidate, self.recordings)
-
-
 def one_round(setting: Setting, shop: Workshop) -> Round:
     """Propose, screen, fit and judge; return what was found."""
     base, options, done = setting.base, setting.options, shop.limit.undone
     bench = Bench.of(base, shop, f"round {setting.number}")
-    hypotheses = _considered(setting)
+    hypotheses = considered(setting)
     screened = screen(bench, hypotheses)
     leading = promising(screened.promised, options)
     order = {one.told_by: i for i, one in enumerate(hypotheses)}
@@ -183,23 +87,6 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
         chosen,
         verdicts.probability,
         cut_short=shop.limit.undone > done,
-    )
-
-
-def _considered(setting: Setting) -> tuple[Hypothesis, ...]:
-    """Return what the library proposes for the model, as far as it belongs here.
-
-    A wrong sign or unit shows before anything else. Beside a law that has been found it
-    would only bend it: in a unit a thousand times larger every smooth edge is a sharp
-    one.
-    """
-    there = {(one.physics, one.place, one.words) for one in setting.found}
-    return tuple(
-        one
-        for one in propose_all(setting.base, setting.options.library)
-        if (setting.curves or one.physics != CURVE)
-        and (setting.is_first or not one.is_slip)
-        and (one.physics, one.place, one.words) not in there
     )
 
 
@@ -249,21 +136,3 @@ class _Seen:
         """Whether a law with a name was chosen."""
         chosen = self.verdicts.chosen
         return chosen is not None and chosen.physics != CURVE
-
-
-def promising(promised: Sequence[Promised], options: Options) -> list[Promised]:
-    """Return the hypotheses worth a fit, those that promise most first.
-
-    And what the best of them contain: a wider law may promise what the narrower one is,
-    backlash without a gap what a spring does.
-    """
-    worth = options.rule.materiality / 4
-    leading = [one for one in promised if one.reduction >= worth][: options.fitted]
-    wide = [one.hypothesis for one in leading[: options.judged]]
-    known = {id(one) for one in leading}
-    contained = (
-        one
-        for one in promised
-        if id(one) not in known and any(w.contains(one.hypothesis) for w in wide)
-    )
-    return [*leading, *contained]

@@ -16,9 +16,9 @@ from bondgraph.diagnosis.evidence.addition import added_strengths, seen_again
 from bondgraph.diagnosis.evidence.decision import Judged, Rule
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.horizons import sharpened
-from bondgraph.diagnosis.search.one_round import Round, accepted, chosen_in
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.diagnosis.search.round_found import Round, accepted, chosen_in
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
 

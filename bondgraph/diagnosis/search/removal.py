@@ -129,8 +129,11 @@ def gone_from(
         if given is None or not given.value or given.bounds[0] < 0.0:
             continue
         was, least = before.get(name, 0.0), SWALLOWED * given.value
-        # A value that a lack had made too large, and that falls, is not gone.
-        if was >= least and after[name] < SWALLOWED * min(was, given.value):
+        # A value that a lack had made too large, and that falls, is not gone, nor one
+        # of which these recordings do not tell that it is.
+        there = min(was, given.value)
+        may_be = after[name] + ERRORS * stds[name] >= FADED * there
+        if was >= least and after[name] < SWALLOWED * there and not may_be:
             return f"parameter {name}"
     return None
 

@@ -19,12 +19,14 @@ from bondgraph.diagnosis.search.between_samples import (
     simulated_as,
 )
 from bondgraph.diagnosis.search.beyond_noise import left_beside, within
+from bondgraph.diagnosis.search.considered import Setting
 from bondgraph.diagnosis.search.curve_beside import better_curve, with_curve
 from bondgraph.diagnosis.search.exchange import Reached
 from bondgraph.diagnosis.search.making import Made, made_of, or_two
-from bondgraph.diagnosis.search.one_round import Round, Setting, chosen_in, one_round
+from bondgraph.diagnosis.search.one_round import one_round
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.diagnosis.search.round_found import Round, chosen_in
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import Hypothesis

@@ -25,9 +25,11 @@ from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.beyond_noise import explainable
 from bondgraph.diagnosis.search.candidates import Candidate
-from bondgraph.diagnosis.search.one_round import MUCH, Round, Setting, promising
+from bondgraph.diagnosis.search.considered import Setting, promising
+from bondgraph.diagnosis.search.one_round import MUCH
 from bondgraph.diagnosis.search.pair_fits import Pair, best_of_each
 from bondgraph.diagnosis.search.pairs import Pairing
+from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.diagnosis.search.stand_ins import instead_of
 from bondgraph.diagnosis.search.worth import holds_for_whole, worth_judging
 from bondgraph.diagnosis.work.workers import Workshop

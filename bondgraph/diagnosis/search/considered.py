@@ -1,0 +1,106 @@
+"""What a round of search considers: where it starts, and what belongs there."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.diagnosis.search.candidates import (
+    CURVE,
+    Candidate,
+    Promised,
+    propose_all,
+)
+from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.worth import holds_for_whole
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.physics.contact import Backlash
+from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.recordings.binding import BoundRecording
+from bondgraph.structure.edits import LoosenBond
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """What a round of search starts from.
+
+    Parameters
+    ----------
+    base
+        The model to improve.
+    recordings
+        Those that it was fitted to.
+    noise
+        Residual per output that noise excuses, 0 where it is not known.
+    number
+        Of the round, from 1.
+    found
+        What earlier rounds have added and not taken out: no law is added twice.
+    curves
+        Whether curves without a name are considered.
+    """
+
+    base: FittedModel
+    recordings: Sequence[BoundRecording]
+    noise: Array
+    options: Options
+    number: int
+    found: tuple[Hypothesis, ...]
+    curves: bool
+
+    @property
+    def is_first(self) -> bool:
+        """Whether this is the first round."""
+        return self.number == 1
+
+    def holds(self, candidate: Candidate) -> bool:
+        """Return whether whole recordings are simulated about as well with it."""
+        return holds_for_whole(self.base, candidate, self.recordings)
+
+
+def considered(setting: Setting) -> tuple[Hypothesis, ...]:
+    """Return what the library proposes for the model, as far as it belongs here.
+
+    A wrong sign or unit shows before anything else. Beside a law that has been found it
+    would only bend it: in a unit a thousand times larger every smooth edge is a sharp
+    one. So would a law at the contact of a play that has been found.
+    """
+    contacts = {name for one in setting.found for name in _contact_of(one)}
+    there = {(one.physics, one.place, one.words) for one in setting.found}
+    return tuple(
+        one
+        for one in propose_all(setting.base, setting.options.library)
+        if (setting.curves or one.physics != CURVE)
+        and (setting.is_first or not one.is_slip)
+        and (one.physics, one.place, one.words) not in there
+        and one.place not in contacts
+    )
+
+
+def _contact_of(found: Hypothesis) -> set[str]:
+    """Return the names of what a play has put between two motions."""
+    edit = found.edit
+    if found.physics != Backlash.word or not isinstance(edit, LoosenBond):
+        return set()
+    return {edit.name, edit.split, *(element.name for element in edit.elements)}
+
+
+def promising(promised: Sequence[Promised], options: Options) -> list[Promised]:
+    """Return the hypotheses worth a fit, those that promise most first.
+
+    And what the best of them contain: a wider law may promise what the narrower one is,
+    backlash without a gap what a spring does.
+    """
+    worth = options.rule.materiality / 4
+    leading = [one for one in promised if one.reduction >= worth][: options.fitted]
+    wide = [one.hypothesis for one in leading[: options.judged]]
+    known = {id(one) for one in leading}
+    contained = (
+        one
+        for one in promised
+        if id(one) not in known and any(w.contains(one.hypothesis) for w in wide)
+    )
+    return [*leading, *contained]

@@ -1,0 +1,62 @@
+"""What one round of search has found, and what of all rounds is kept."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from bondgraph.diagnosis.evidence.decision import Judged
+from bondgraph.diagnosis.search.candidates import Candidate, Promised, Rejected
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.physics.hypothesis import Hypothesis
+
+
+@dataclass(frozen=True, slots=True)
+class Round:
+    """What one round of search found.
+
+    Parameters
+    ----------
+    base
+        The model the round started from.
+    tried, independent
+        How many hypotheses were considered, and to how many independent ones they
+        amount.
+    judged, promised, rejected
+        Candidates judged on left-out data, what every hypothesis promised, and those
+        that could not be tried or determined.
+    chosen
+        The one accepted, if any.
+    probability
+        Of its physics being the best of those judged.
+    removed
+        What earlier rounds had added and is needless beside it.
+    cut_short
+        Whether time ran out before all had been tried.
+    """
+
+    base: FittedModel
+    tried: int = 0
+    independent: float = 0.0
+    judged: tuple[Judged, ...] = ()
+    promised: tuple[Promised, ...] = ()
+    rejected: tuple[Rejected, ...] = ()
+    chosen: Judged | None = None
+    probability: float | None = None
+    removed: tuple[Hypothesis, ...] = ()
+    cut_short: bool = False
+
+
+def accepted(rounds: Sequence[Round]) -> list[Round]:
+    """Return the rounds whose addition was made and not taken out by a later one."""
+    removed = {id(hypothesis) for found in rounds for hypothesis in found.removed}
+    return [
+        found
+        for found in rounds
+        if found.chosen is not None
+        and id(found.chosen.candidate.hypothesis) not in removed
+    ]
+
+
+def chosen_in(rounds: Sequence[Round]) -> list[Candidate]:
+    """Return what was accepted, in the order of the rounds."""
+    kept = (found.chosen for found in accepted(rounds))
+    return [chosen.candidate for chosen in kept if chosen is not None]
