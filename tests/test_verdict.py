@@ -188,6 +188,18 @@ def test_what_mends_only_what_it_was_fitted_to_is_not_the_cause(
     assert ("no better" in statement) == idle
 
 
+def test_what_carries_over_in_stretches_is_not_held_to_whole_recordings():
+    # One slip that is missed, and a drive that turns freely is off for good.
+    shown, trained = _errors(0.85, 0.846), _errors(0.33, 0.006)
+    found = Verdict.PHYSICS_MISSING, "Friction.", shown, trained
+    answer, statement = worse_held_out(*found, _errors(0.05, 0.004))
+    assert answer is Verdict.PHYSICS_MISSING
+    assert "over stretches" in statement
+    assert "(5 % became 0.4 %)" in statement
+    answer, statement = worse_held_out(*found, _errors(0.05, 0.049))
+    assert answer is Verdict.UNEXPLAINED
+
+
 def test_a_curve_that_makes_held_out_data_worse_says_so_too():
     # It is no cause anyway, but its place would be believed.
     shown = _errors(0.2, 0.22)

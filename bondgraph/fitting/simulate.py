@@ -12,16 +12,22 @@ from numpy.typing import NDArray
 
 from bondgraph.fitting.estimate import FitSettings, FittedModel, fit_model, score
 from bondgraph.fitting.horizon import WholeRecordings
+from bondgraph.fitting.levenberg_marquardt import minimise, settle
 from bondgraph.fitting.result import Score
 from bondgraph.numeric.audited_model import audited_model
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.spread import size
+from bondgraph.simulation.accuracy import halved_step_difference
 from bondgraph.simulation.energy_audit import EnergyAudit, together
 from bondgraph.simulation.events import Event
 from bondgraph.simulation.run import Run, simulate_audited
 from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
+STEP_ERROR = 1e-3
+"""Of an output's spread: what a step may change, seen by one of half its length."""
+
+MOST_SUBSTEPS, SETTLE_ITERATIONS = 16, 10
 
 
 class SolveStatus(StrEnum):
@@ -92,6 +98,7 @@ def simulate(
         Its inputs drive the model, its outputs are what to compare with.
     settings
         How to simulate; from one initial state through the whole recording by default.
+        Steps are finer where those of the solver tell another story.
 
     Raises
     ------
@@ -102,7 +109,9 @@ def simulate(
     held = graph.with_parameters(
         [replace(parameter, std=0.0) for parameter in graph.parameters.members]
     )
-    ran = fit_model(held, [recording], chosen, sigma=size(recording.outputs))
+    ran = _fine_enough(
+        fit_model(held, [recording], chosen, sigma=size(recording.outputs))
+    )
     shots, model = ran.problem.shots, ran.problem.model
     residuals = np.where(np.isfinite(shots.outputs), ran.residuals(), np.nan)
     finite = np.isfinite(ran.optimum.cost)
@@ -117,6 +126,33 @@ def simulate(
         score=score(model, shots, residuals),
         runs=_runs(ran),
     )
+
+
+def _fine_enough(ran: FittedModel) -> FittedModel:
+    """Return the run with steps so fine that half of them would change little."""
+    problem, fine = ran.problem, STEP_ERROR * size(ran.problem.shots.outputs)
+    while problem.model.n_states and problem.solver.substeps < MOST_SUBSTEPS:
+        if not np.isfinite(ran.optimum.cost):
+            return ran
+        change = halved_step_difference(
+            problem.model,
+            problem.shots,
+            parameters=problem.start,
+            initial=ran.optimum.initial,
+            solver=problem.solver,
+            hold=problem.hold,
+        )
+        if np.all(change <= fine):
+            return ran
+        solver = replace(problem.solver, substeps=2 * problem.solver.substeps)
+        problem = replace(problem, solver=solver)
+        theta = problem.start[problem.free]
+        initial, at = settle(problem, theta, ran.optimum.initial, SETTLE_ITERATIONS)
+        if not np.isfinite(at.cost).all():
+            return ran
+        found = minimise(problem, theta, initial, iterations=0, settled=at)
+        ran = replace(ran, problem=problem, optimum=found)
+    return ran
 
 
 def _runs(ran: FittedModel) -> tuple[Run, ...]:

@@ -220,7 +220,8 @@ def _channel(
             f"{name!r} of the model is in {unit!r}, and channel {wanted!r} of "
             f"{recording.name!r} is in {channel.unit!r}, which does not convert to it.",
             (recording.name, name, wanted),
-            "Correct the unit in the header or the domain of the model.",
+            "Correct the unit in the header, the domain of the model, or name the unit "
+            "of a measured formula: measure(name, formula, unit=...).",
         ) from error
     return channel.to(unit)
 

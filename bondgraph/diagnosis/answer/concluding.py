@@ -34,6 +34,7 @@ def concluded(
     left: float,
     shown: Comparison,
     trained: Comparison,
+    stretches: Comparison | None,
     recordings: Sequence[BoundRecording],
     options: Options,
 ) -> tuple[Verdict, str]:
@@ -47,6 +48,8 @@ def concluded(
         The share of the error that the findings leave beyond noise.
     shown, trained
         Whole simulations of held-out and of training recordings, before and after.
+    stretches
+        The same of stretches of held-out recordings, where models were fitted to such.
     """
     base, made, floor = rounds[0].base, accepted(rounds), noise_floor(recordings)
     checked = _checked(base, recordings, made)
@@ -54,7 +57,7 @@ def concluded(
     statement = with_undecided(verdict, statement, rounds[-1], options.rule)
     if not np.isfinite(shown.after.nrmse) and np.isfinite(shown.before.nrmse):
         verdict, statement = not_simulated(verdict, statement)
-    verdict, statement = worse_held_out(verdict, statement, shown, trained)
+    verdict, statement = worse_held_out(verdict, statement, shown, trained, stretches)
     verdict, statement = without_size(verdict, statement, findings)
     verdict, statement = cut_short(verdict, statement, rounds)
     if verdict is Verdict.ADEQUATE:

@@ -64,6 +64,13 @@ def simulate_whole(
     return replace(_simulate(fitted, recordings, fitted.horizon), whole=False)
 
 
+def simulate_stretches(
+    fitted: FittedModel, recordings: Sequence[BoundRecording], samples: int
+) -> WholeSimulation:
+    """Simulate stretches of so many samples, each from one estimated initial state."""
+    return _simulate(fitted, recordings, Windows(samples))
+
+
 def _settled(problem: FitProblem, theta: Array, usual: Array) -> Linearisation:
     """Return the residuals with initial states settled in every window.
 

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from bondgraph.diagnosis.answer.concluding import concluded
 from bondgraph.diagnosis.answer.doubt import doubted, remaining
 from bondgraph.diagnosis.answer.evidence_shown import all_evidence
@@ -11,7 +13,12 @@ from bondgraph.diagnosis.answer.leftover import noise_floor
 from bondgraph.diagnosis.answer.look_alikes import look_alikes
 from bondgraph.diagnosis.answer.notes import notes_on, provenance
 from bondgraph.diagnosis.answer.separating import designed, left_close
-from bondgraph.diagnosis.answer.showing import recovered_law, simulate_whole, traces
+from bondgraph.diagnosis.answer.showing import (
+    recovered_law,
+    simulate_stretches,
+    simulate_whole,
+    traces,
+)
 from bondgraph.diagnosis.answer.stated import at_bounds, contradicted
 from bondgraph.diagnosis.answer.untried import untried
 from bondgraph.diagnosis.answer.wording import next_experiment
@@ -31,6 +38,9 @@ HARDLY = 0.9
 
 DRAWN_RIVALS = 4
 """How many other laws are drawn over the cloud of a recovered one."""
+
+BETTER = 0.9
+"""Whole recordings below this share of the error are clearly better simulated."""
 
 
 def answer(
@@ -52,8 +62,9 @@ def answer(
     left = max(left, left_of_whole(trained))
     findings = doubted(told, left)
     wrong = contradicted(graph, after.estimates)
+    stretches = _over_stretches(base, final, held_out, shown)
     verdict, statement = concluded(
-        rounds, findings, wrong, left, shown, trained, recordings, options
+        rounds, findings, wrong, left, shown, trained, stretches, recordings, options
     )
     close = left_close(rounds, others, verdict)
     experiment, undesigned = (
@@ -131,6 +142,29 @@ def _delivered(
         hold=final.problem.hold,
     )
     return report(refitted(final, everything, settings), start, everything)
+
+
+def _over_stretches(
+    base: FittedModel,
+    final: FittedModel,
+    held_out: Sequence[BoundRecording],
+    shown: Comparison,
+) -> Comparison | None:
+    """Return the errors over stretches of held-out recordings, where fits were.
+
+    They are as long as the shorter of those that the two models were fitted over. None
+    where whole recordings are clearly better simulated than before.
+    """
+    if shown.after.nrmse < BETTER * shown.before.nrmse:
+        return None
+    shots = (fitted.problem.shots for fitted in (base, final))
+    samples = min(max(np.diff(one.edges)) for one in shots)
+    if not base.problem.model.n_states or samples >= max(map(len, held_out), default=0):
+        return None
+    before, after = (
+        simulate_stretches(one, held_out, int(samples)).score for one in (base, final)
+    )
+    return Comparison(before=before, after=after)
 
 
 def _comparison(

@@ -109,17 +109,25 @@ def with_undecided(verdict: Verdict, statement: str, last: Round, rule: Rule) ->
 
 
 def worse_held_out(
-    verdict: Verdict, statement: str, held_out: Comparison, trained: Comparison
+    verdict: Verdict,
+    statement: str,
+    held_out: Comparison,
+    trained: Comparison,
+    stretches: Comparison | None = None,
 ) -> tuple[Verdict, str]:
     """Return the verdict where the improved model predicts what was kept back worse.
 
     Or no better, where it halves the error of what it was fitted to, and what was kept
-    back has more than that to explain.
+    back has more than that to explain. A drive that is free to turn and once stands
+    still where it moved is off for the rest of a recording: there shorter stretches
+    say whether what was found carries over.
 
     Parameters
     ----------
     held_out, trained
         Whole recordings, before and after.
+    stretches
+        Of the held-out ones, where models were fitted over stretches.
     """
     before, after = held_out.before.nrmse, held_out.after.nrmse
     told_something = verdict in (Verdict.PHYSICS_MISSING, Verdict.UNEXPLAINED)
@@ -127,6 +135,18 @@ def worse_held_out(
     if not told_something or not (worse or idle):
         return verdict, statement
     became = f"({100 * before:.3g} % became {100 * after:.3g} %)"
+    if stretches is not None and (
+        stretches.after.nrmse < HALVED * stretches.before.nrmse
+    ):
+        over = (
+            f"({100 * stretches.before.nrmse:.3g} % became "
+            f"{100 * stretches.after.nrmse:.3g} %)"
+        )
+        return verdict, (
+            f"{statement} It carries over to the held-out recordings over stretches "
+            f"as long as those it was fitted to {over}; run through as a whole they "
+            f"are missed no less than before {became}."
+        )
     told = (
         f"{statement} But on the held-out recordings the improved model is "
         f"{'worse' if worse else 'no better'} than the base model {became}: what was "

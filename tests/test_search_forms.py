@@ -1,0 +1,97 @@
+"""Laws of many forms begin with those that promise most; a play's contact is left."""
+
+import numpy as np
+import pytest
+
+from bondgraph import BondGraph, I, R, Recording, Se, bind_to
+from bondgraph.diagnosis.probing import measure_scales
+from bondgraph.diagnosis.search.bench import Bench
+from bondgraph.diagnosis.search.candidates import Promised
+from bondgraph.diagnosis.search.considered import Setting, considered
+from bondgraph.diagnosis.search.fits import fit_remembering, fit_whatever
+from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.screening import STARTS, screen
+from bondgraph.diagnosis.work.journal import Journal
+from bondgraph.diagnosis.work.workers import Here, workshop
+from bondgraph.fitting.estimate import FitSettings, fit_model
+from bondgraph.physics.contact import Backlash
+from bondgraph.physics.modes import FlexibleMode
+from bondgraph.physics.places.everywhere import all_places
+from bondgraph.physics.position import Cogging
+
+STEP, WAVE, RIPPLE = 0.01, 120.0, 0.4
+
+
+def track():
+    """Return a carriage of 2 kg on a motor whose magnets are 52 mm apart."""
+    g = BondGraph("track", domain="translation")
+    g.one("motor", Se("force"), I("slider"))
+    g.one("carriage", I("mass"), R("rail"))
+    g.join("motor", "carriage")
+    g.measure("position", displacement="carriage")
+    g.parameter("slider", 0.5, "kg", std=0.0)
+    g.parameter("mass", 1.5, "kg", bounds=(0.1, 10))
+    g.parameter("rail", 6.0, "N*s/m", bounds=(0, 100))
+    return g.finish()
+
+
+@pytest.fixture(scope="module")
+def recordings():
+    time = np.arange(2000) * STEP
+    force = 3.0 * np.sin(0.9 * time) + 1.5 * np.sin(2.3 * time + 0.4)
+    x, v = 0.0, 0.0
+    position = np.zeros(time.size)
+    for k, pull in enumerate(force):
+        position[k] = x
+        for _ in range(20):
+            v += STEP / 20 * (pull - 6.0 * v - RIPPLE * np.sin(WAVE * x)) / 2.0
+            x += STEP / 20 * v
+    position += 2e-4 * np.random.default_rng(3).normal(size=time.size)
+    channels = {"force": (force, "N"), "position": (position, "m")}
+    return [bind_to(track(), Recording.from_arrays("run", time, channels))]
+
+
+@pytest.fixture(scope="module")
+def bench(recordings):
+    base = fit_model(track(), recordings, FitSettings())
+    with workshop(Here(), Journal(), lambda _: None) as shop:
+        yield Bench.of(base, shop, "test")
+
+
+def proposed(bench, physics, place):
+    places = all_places(bench.base.graph, measure_scales(bench.base))
+    return [h for p in places if p.name == place for h in physics.propose(p)]
+
+
+def test_a_ripple_is_begun_near_its_length(bench, recordings):
+    (ripple,) = proposed(bench, Cogging(), "carriage")
+    travel = np.ptp(recordings[0].outputs[:, 0])
+    assert len(ripple.starts) > 50
+    (first,) = screen(bench, [ripple]).promised
+    assert len(first.hypothesis.starts) == STARTS
+    begun = first.hypothesis.starts[0]["cogging_wave_carriage"]
+    assert abs(begun - WAVE) < 2 * np.pi / travel
+    (found,) = fit_whatever(bench, [first], 0.75, 1)
+    assert found.fitted.values["cogging_wave_carriage"] == pytest.approx(WAVE, rel=0.01)
+
+
+def test_laws_with_states_and_without_are_fitted_apart(bench):
+    (ripple,) = proposed(bench, Cogging(), "carriage")
+    (swinging,) = proposed(bench, FlexibleMode(), "carriage")
+    both = [Promised(one, 0.5) for one in (ripple, swinging)]
+    assert [one.hypothesis for one in fit_whatever(bench, both, 0.0, 2)] == [ripple]
+    assert [one.hypothesis for one in fit_remembering(bench, both, 0.0, 2)] == [
+        swinging
+    ]
+
+
+def test_nothing_is_hung_on_the_contact_of_a_play(bench, recordings):
+    (play,) = proposed(bench, Backlash(), "motor")
+    loose = fit_model(play.apply(bench.base.graph), recordings, FitSettings())
+    zero = np.zeros(1)
+    setting = Setting(loose, recordings, zero, Options(), 2, (play,), False)
+    places = {one.place for one in considered(setting)}
+    assert {"motor", "carriage"} <= places
+    assert not {name for name in places if "backlash" in name}
+    setting = Setting(loose, recordings, zero, Options(), 2, (), False)
+    assert {one.place for one in considered(setting) if "backlash" in one.place}
