@@ -5,7 +5,7 @@ judged on left-out data, and of the supported ones the simplest is chosen.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ from bondgraph.diagnosis.search.runaway import run_away
 from bondgraph.diagnosis.search.screening import screen
 from bondgraph.diagnosis.search.worth import worth_judging
 from bondgraph.diagnosis.work.workers import Workshop
+from bondgraph.physics.hypothesis import Hypothesis
 
 Array = NDArray[np.float64]
 
@@ -105,7 +106,7 @@ def _judged(
     """
     base, recordings, rule = setting.base, setting.recordings, setting.options.rule
     least = rule.materiality / 2
-    material = [c for c in fitted if c.reduction(base) >= least]
+    material = [_beside(c, setting.found) for c in fitted if c.reduction(base) >= least]
     worth, rejected = worth_judging(base, material, recordings)
     worth.sort(key=lambda candidate: order[candidate.hypothesis.told_by])
     seen = _Seen(Verdicts(), ()) if earlier is None else earlier
@@ -113,6 +114,13 @@ def _judged(
         bench, worth, tried, rule, setting.noise, setting.holds, seen.verdicts
     )
     return _Seen(verdicts, (*seen.rejected, *rejected))
+
+
+def _beside(candidate: Candidate, found: Sequence[Hypothesis]) -> Candidate:
+    """Return the candidate, as complex as what it adds to laws that it contains."""
+    within = (one for one in found if candidate.hypothesis.contains(one))
+    known = sum(len(one.parameters) for one in within)
+    return replace(candidate, complexity=max(candidate.complexity - known, 1))
 
 
 def _suffices(seen: "_Seen", setting: Setting) -> bool:
