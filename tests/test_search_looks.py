@@ -10,7 +10,7 @@ from carts import free_cart
 from bondgraph import BondGraph, C, R, Recording, Se, Sf, bind_to, effort
 from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.records import Verdict
-from bondgraph.diagnosis.search import trying
+from bondgraph.diagnosis.search import one_round, trying
 from bondgraph.diagnosis.search.beginnings import Known
 from bondgraph.diagnosis.search.runaway import run_away
 from bondgraph.fitting.estimate import FitSettings, fit_model
@@ -94,7 +94,8 @@ def test_a_path_into_a_store_that_has_run_away_is_found_from_what_is_stated():
 
 
 def begun_where_fitted_only(monkeypatch):
-    monkeypatch.setattr(trying, "run_away", lambda fitted: {})
+    for module in (trying, one_round):
+        monkeypatch.setattr(module, "run_away", lambda fitted, times=3.0: {})
 
 
 def test_a_further_look_finds_it_too(monkeypatch):
