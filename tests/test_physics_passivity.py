@@ -22,7 +22,9 @@ from bondgraph.structure.elements import (
 )
 from bondgraph.structure.signals import Signal, displacement, e, f, flow, q
 
-SAMPLES = 4000
+SAMPLES, FINE = 4000, 160_000
+"""Of a motion; finer for what goes up and down hundreds of times on its way."""
+
 SCALES = {name: scales_of(graph) for name, graph in MACHINES.items()}
 
 
@@ -58,9 +60,9 @@ def drawn(hypothesis, edited, random):
     return values
 
 
-def motion(random, size):
+def motion(random, size, samples=SAMPLES):
     """Return one period of a smooth motion and its rate, over time 2 pi."""
-    time = np.linspace(0.0, 2.0 * np.pi, SAMPLES + 1)
+    time = np.linspace(0.0, 2.0 * np.pi, samples + 1)
     waves = np.arange(1, 5)[:, None]
     height, phase = random.normal(size=(4, 1)), random.uniform(0, 2 * np.pi, (4, 1))
     way = (height * np.sin(waves * time + phase)).sum(axis=0)
@@ -144,7 +146,7 @@ def test_what_stores_gives_it_all_back(name, hypothesis, reach):
         return
     for _ in range(5):
         values = drawn(hypothesis, edited, random)
-        time, way, rate = motion(random, reach * random.uniform(0.2, 2.0))
+        time, way, rate = motion(random, reach * random.uniform(0.2, 2.0), FINE)
         total, power = work(element, values, way, rate, time, (), place)
         assert abs(total) <= 2e-3 * np.trapezoid(np.abs(power), time)
 

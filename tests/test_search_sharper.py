@@ -114,7 +114,7 @@ def test_the_narrower_law_is_kept_however_far_behind_its_short_fit_is(bench):
         for physics in (CoulombFriction(), StribeckFriction(), QuadraticDrag())
     )
     ahead, behind, other = (
-        ShortFit(share, law, {})
+        ShortFit(share, law, {"values": dict.fromkeys(law.parameters, 1.0)})
         for share, law in ((0.8, wide), (0.1, dry), (0.1, drag))
     )
     assert _kept([ahead, behind, other], 0.75, 5) == [ahead, behind]

@@ -120,7 +120,9 @@ def _beside(candidate: Candidate, found: Sequence[Hypothesis]) -> Candidate:
     """Return the candidate, as complex as what it adds to laws that it contains."""
     within = (one for one in found if candidate.hypothesis.contains(one))
     known = sum(len(one.parameters) for one in within)
-    return replace(candidate, complexity=max(candidate.complexity - known, 1))
+    # What replaces as many numbers as it adds is as simple as the model itself.
+    least = min(candidate.complexity, 1)
+    return replace(candidate, complexity=max(candidate.complexity - known, least))
 
 
 def _suffices(seen: "_Seen", setting: Setting) -> bool:
