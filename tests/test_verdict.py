@@ -112,17 +112,35 @@ def _checked(status, *dependences):
     )
 
 
-@pytest.mark.parametrize(
-    ("share", "verdict"), [(0.35, Verdict.CANNOT_TELL), (0.01, Verdict.ADEQUATE)]
-)
-def test_what_follows_the_machine_is_not_nothing_however_near_the_noise(share, verdict):
-    base = SimpleNamespace(
-        residuals=lambda: np.full((400, 1), 2.0),
+def _leaving(residual):
+    return SimpleNamespace(
+        residuals=lambda: np.full((400, 1), residual),
         problem=SimpleNamespace(
             model=SimpleNamespace(output_names=("x",)),
             shots=SimpleNamespace(outputs=np.sin(np.arange(400))[:, None]),
         ),
     )
+
+
+@pytest.mark.parametrize(
+    ("share", "verdict"), [(0.35, Verdict.UNEXPLAINED), (0.08, Verdict.CANNOT_TELL)]
+)
+def test_a_large_residual_that_hardly_follows_the_machine_may_be_noise(share, verdict):
+    follows = SimpleNamespace(share=share, variable="flow", place="wall")
+    checked = _checked(AdequacyStatus.STRUCTURE, follows)
+    tried = Round(None, tried=30)
+    answer, statement = verdict_of([], _leaving(4.0), {"x": 1.0}, tried, 1.0, checked)
+    assert answer is verdict
+    assert "4.0 times" in statement
+    hardly = "at most flow at wall (8 % of it). None of the 30" in statement
+    assert hardly == (verdict is Verdict.CANNOT_TELL)
+
+
+@pytest.mark.parametrize(
+    ("share", "verdict"), [(0.35, Verdict.CANNOT_TELL), (0.01, Verdict.ADEQUATE)]
+)
+def test_what_follows_the_machine_is_not_nothing_however_near_the_noise(share, verdict):
+    base = _leaving(2.0)
     follows = SimpleNamespace(share=share, variable="flow", place="wall")
     checked = _checked(AdequacyStatus.STRUCTURE, follows)
     tried = Round(None, tried=30)

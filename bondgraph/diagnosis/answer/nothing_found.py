@@ -26,6 +26,11 @@ NOTHING = (AdequacyStatus.ADEQUATE, AdequacyStatus.COLOURED)
 TRACE = 0.05
 """A smaller share of what a model leaves does not matter, however sure it is."""
 
+HARDLY = 0.15
+"""A smaller share leaves open what the rest is: of coloured noise some 8 % follow
+something slow by chance, of what machines outside the library leave 30 % and more.
+"""
+
 MANY = 1000
 """Beyond it, how many times the noise says more of the noise than of the model."""
 
@@ -60,6 +65,14 @@ def without_findings(
             f"These recordings do not decide: {names} would help, but not reliably on "
             "data that were left out."
         )
+    if worst > ADEQUATE_RATIO and follows and _is_at_most(checked, HARDLY):
+        return Verdict.CANNOT_TELL, (
+            f"The residual is {_times(worst)} the white part of the noise, and little "
+            f"of it follows what the machine does: at most {follows}. None of the "
+            f"{first.tried} candidates explains it on data that were left out. It may "
+            "be coloured noise, an input that was not recorded, or physics with a "
+            "memory that these channels do not show."
+        )
     if worst > ADEQUATE_RATIO:
         return Verdict.UNEXPLAINED, (
             f"The residual is {_times(worst)} the measurement noise, and none of the "
@@ -93,7 +106,8 @@ def _as_noise(
             f"{checked.status} By chance it would follow the machine no less in "
             f"{chance}{_tried_words(first.tried)}."
         )
-    if checked is not None and _is_trace(checked):
+    surely = checked is not None and checked.status is AdequacyStatus.STRUCTURE
+    if checked is not None and surely and _is_at_most(checked, TRACE):
         most = max(checked.dependences, key=lambda one: one.share)
         return Verdict.ADEQUATE, (
             f"What the model leaves is coloured noise. A trace of it, "
@@ -130,10 +144,10 @@ def _large_and_slow(
     )
 
 
-def _is_trace(checked: Adequacy) -> bool:
-    """Return whether what the model leaves hardly follows the machine, if surely."""
-    surely = checked.status is AdequacyStatus.STRUCTURE
-    return surely and all(one.share < TRACE for one in checked.dependences)
+def _is_at_most(checked: Adequacy | None, share: float) -> bool:
+    """Return whether no family explains as much of what the model leaves."""
+    known = () if checked is None else checked.dependences
+    return bool(known) and all(one.share < share for one in known)
 
 
 def _residual_words(ratio: float) -> str:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from bondgraph.diagnosis.evidence.judging import Verdicts, judge_all
 from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.beyond_noise import explainable
+from bondgraph.diagnosis.search.beyond_noise import explainable, left_beside
 from bondgraph.diagnosis.search.candidates import (
     CURVE,
     Candidate,
@@ -46,6 +46,9 @@ FAR_AWAY = 10.0
 """Of a model whose values have left the stated ones by so many times, what is found and
 leaves much is held against all that promises nothing from there.
 """
+
+LITTLE = 0.1
+"""Who leaves no more than this share of what such a model left stands as it is."""
 
 HOPELESS = 0.75
 """A candidate with less than this share of the best reduction is not judged."""
@@ -130,8 +133,10 @@ def _suffices(seen: "_Seen", setting: Setting) -> bool:
     chosen = seen.verdicts.chosen
     if chosen is None or not seen.has_named:
         return False
-    near = not run_away(setting.base, FAR_AWAY)
-    return near or explainable(chosen.candidate.fitted, setting.noise) <= MUCH
+    base, fitted = setting.base, chosen.candidate.fitted
+    if not run_away(base, FAR_AWAY) or explainable(fitted, setting.noise) <= MUCH:
+        return True
+    return left_beside(base, fitted, setting.noise) <= LITTLE
 
 
 @dataclass(frozen=True, slots=True)
