@@ -6,9 +6,11 @@ from rubbing_slider import proposed, slider
 
 from bondgraph import Recording, bind_to
 from bondgraph.diagnosis.evidence.decision import Rule
+from bondgraph.diagnosis.search.candidates import propose_all
 from bondgraph.diagnosis.search.removal import fitted_with, pruned
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.drag import QuadraticDrag
+from bondgraph.physics.dynamics import Delay, Lag
 from bondgraph.physics.friction import CoulombFriction, StribeckFriction
 
 
@@ -61,3 +63,21 @@ def test_two_laws_that_are_both_there_stay():
     found = pruned(base, before, after, [coulomb, drag], Rule())
     assert found.kept == (coulomb, drag)
     assert found.removed == ()
+
+
+def test_a_delay_found_behind_a_lag_takes_its_place():
+    graph, late = slider(), 8
+    time = np.arange(1500) * 0.01
+    speed = 0.5 * np.sin(1.3 * time) * np.sin(4.2 * time + 1)
+    force = 1.5 * np.roll(speed, late)[late:]
+    force += 0.001 * np.random.default_rng(3).standard_normal(force.size)
+    channels = {"speed": (speed[late:], "m/s"), "force": (force, "N")}
+    recording = bind_to(graph, Recording.from_arrays("run", time[late:], channels))
+    base = fit_model(graph, [recording], FitSettings())
+    (lag,) = (h for h in propose_all(base, (Lag(),)) if h.place == "force")
+    before = fitted_with(base, base, [lag], lag.starts[0])
+    (delay,) = (h for h in propose_all(before, (Delay(),)) if h.place == "force")
+    after = fitted_with(base, before, [lag, delay], delay.starts[1])
+    found = pruned(base, before, after, [lag, delay], Rule())
+    assert found.removed == (lag,)
+    assert found.fitted.values["delay_force"] == pytest.approx(0.08, rel=0.02)

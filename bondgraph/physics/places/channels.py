@@ -150,4 +150,5 @@ class OutputPlace(ChannelPlace):
     ) -> ReplaceMeasurement:
         """Return the edit that lets the sensor read another expression."""
         parameters = tuple(c.parameter for c in coefficients)
-        return ReplaceMeasurement(self.name, value, parameters, states, nested)
+        reads = self.signal if isinstance(self.signal, Signal) else None
+        return ReplaceMeasurement(self.name, value, parameters, states, nested, reads)

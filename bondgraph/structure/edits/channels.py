@@ -1,7 +1,7 @@
 """Edits of channels: what a sensor reads, and what an input does."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy
 
@@ -43,25 +43,36 @@ def _among(
 
 @dataclass(frozen=True, slots=True)
 class ReplaceMeasurement:
-    """Let a sensor read another expression (scale, bias, nonlinearity, lag)."""
+    """Let a sensor read another expression (scale, bias, nonlinearity, lag).
+
+    Parameters
+    ----------
+    reads
+        The one signal that the sensor reads before. Of a graph in which it reads
+        another one, because an earlier edit is not there any more, that is meant.
+    """
 
     measurement: str
     expression: sympy.Expr
     parameters: tuple[Parameter, ...] = ()
     states: tuple[SignalState, ...] = ()
     nested: bool = False
+    reads: sympy.Expr | None = None
 
     def apply(self, graph: FinishedGraph) -> FinishedGraph:
         """Return the graph with the sensor's expression replaced."""
         _measured(graph, self.measurement)
+        (before,) = (m for m in graph.measurements if m.name == self.measurement)
+        meant = {} if self.reads is None else {self.reads: before.expression}
+        expression = canonical(self.expression.xreplace(meant))
         pieces = Pieces.of(graph)
         pieces.measurements = [
-            Measurement(m.name, canonical(self.expression), m.unit)
-            if m.name == self.measurement
-            else m
+            Measurement(m.name, expression, m.unit) if m is before else m
             for m in graph.measurements
         ]
-        pieces.remember(self.states)
+        pieces.remember(
+            tuple(replace(z, rate=z.rate.xreplace(meant)) for z in self.states)
+        )
         return pieces.finished(self.parameters)
 
     def describe(self) -> str:
