@@ -1,6 +1,7 @@
-"""What holds for all tests: beside other workers, simulations take one thread each."""
+"""What holds for all tests: beside other workers, each of them takes one thread."""
 
 import os
 
 if "PYTEST_XDIST_WORKER" in os.environ:
-    os.environ.setdefault("BONDGRAPH_THREADS", "1")
+    for threads in ("BONDGRAPH_THREADS", "OMP_NUM_THREADS"):
+        os.environ.setdefault(threads, "1")

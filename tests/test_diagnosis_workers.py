@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import shutil
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -16,6 +17,7 @@ from bondgraph.diagnosis.search.screening import effective_number
 from bondgraph.diagnosis.work import workers
 from bondgraph.diagnosis.work.journal import FILE, Journal, fingerprint
 from bondgraph.diagnosis.work.limit import OUT_OF_TIME, Limit
+from bondgraph.diagnosis.work.pool import Pool
 from bondgraph.diagnosis.work.workers import Here, On, Processes, workshop
 from bondgraph.errors import BondGraphError
 
@@ -201,3 +203,16 @@ def test_small_gains_everywhere_count_beside_one_large_error():
     after = 0.7 * before
     after[3] = 199.0
     assert compare(LeftOutErrors(before), LeftOutErrors(after)).p_value < 1e-4
+
+
+@pytest.mark.parametrize(("set_by_user", "told"), [(None, "1"), ("3", "3")])
+def test_a_worker_does_its_linear_algebra_on_one_thread(monkeypatch, set_by_user, told):
+    monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
+    if set_by_user:
+        monkeypatch.setenv("OMP_NUM_THREADS", set_by_user)
+    pool = Pool(1)
+    try:
+        assert pool.submit(os.getenv, "OMP_NUM_THREADS").result() == told
+    finally:
+        pool.end(now=True)
+    assert os.getenv("OMP_NUM_THREADS") == set_by_user

@@ -7,6 +7,7 @@ not wait for the libraries that only some commands need.
 """
 
 import importlib
+import os
 import shlex
 import sys
 import traceback
@@ -165,4 +166,6 @@ def program(context: click.Context) -> None:
 
 def main() -> NoReturn:
     """Run ``bondgraph`` with the words of the command line."""
+    # Its products are small: on several threads they take longer, not less.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
     program.main(prog_name="bondgraph")

@@ -17,6 +17,9 @@ from typing import Any
 
 from bondgraph.simulation.threads import THREADS
 
+LINEAR_ALGEBRA = "OMP_NUM_THREADS"
+"""Where its libraries read, when they are loaded, on how many threads they work."""
+
 
 class Pool(Executor):
     """Processes of this machine, started when work is first submitted.
@@ -44,7 +47,7 @@ class Pool(Executor):
                 initializer=_end_with,
                 initargs=(theirs,),
             )
-        with _deaf():
+        with _deaf(), _on_one_thread():
             return self._processes.submit(fn, *args, **kwargs)
 
     def end(self, *, now: bool) -> None:
@@ -73,6 +76,23 @@ def _deaf() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _on_one_thread() -> Iterator[None]:
+    """Let processes started meanwhile do their linear algebra on one thread each.
+
+    On several, workers wait for each other at every small product. What the user has
+    set stands.
+    """
+    if LINEAR_ALGEBRA in os.environ:
+        yield
+        return
+    os.environ[LINEAR_ALGEBRA] = "1"
+    try:
+        yield
+    finally:
+        os.environ.pop(LINEAR_ALGEBRA, None)
 
 
 def _end_with(line: Connection) -> None:
