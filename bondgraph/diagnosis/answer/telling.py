@@ -24,6 +24,7 @@ from bondgraph.diagnosis.answer.untried import untried
 from bondgraph.diagnosis.answer.wording import next_experiment
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.records import Comparison, Diagnosis
+from bondgraph.diagnosis.search.between_samples import told_finely
 from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.horizons import refitted
 from bondgraph.diagnosis.search.options import Options
@@ -138,7 +139,7 @@ def _delivered(
     settings = replace(
         options.settings,
         horizon=final.horizon,
-        solver=final.problem.solver,
+        solver=told_finely(final).problem.solver,
         hold=final.problem.hold,
     )
     return report(refitted(final, everything, settings), start, everything)

@@ -18,6 +18,7 @@ from bondgraph.diagnosis.search.steps import (
 )
 from bondgraph.fitting.estimate import FitSettings, FittedModel, fit_model
 from bondgraph.fitting.levenberg_marquardt import minimise
+from bondgraph.fitting.uncertainty import uncertainty
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.solvers import Hold, RungeKutta4, Sdirk2, Solver
 from bondgraph.structure.graph import FinishedGraph
@@ -31,6 +32,9 @@ OF_NOISE, OF_RESIDUAL = 0.3, 0.03
 
 STEPS = 0.2
 """An input that changes in fewer samples than this share goes in steps."""
+
+MOVED = 0.5
+"""Standard errors by which a step's error may move an estimate that is told."""
 
 ITERATIONS = 30
 
@@ -85,6 +89,28 @@ def finely_stepped(fitted: FittedModel, noise: Array) -> FittedModel:
         stepped = simulated_as(fitted, finer, fitted.problem.hold)
         if stepped is fitted:
             break
+        fitted = stepped
+    return fitted
+
+
+def told_finely(fitted: FittedModel) -> FittedModel:
+    """Return the model with such steps that half of one moves no estimate by much.
+
+    What is far below the noise in every sample adds up in thousands of them: a small
+    inductance takes what a step has lost.
+    """
+    while fitted.problem.model.n_states and fitted.optimum.theta.size:
+        solver = fitted.problem.solver
+        if solver.substeps >= MOST_SUBSTEPS:
+            return fitted
+        finer = replace(solver, substeps=2 * solver.substeps)
+        stepped = simulated_as(fitted, finer, fitted.problem.hold)
+        if stepped is fitted:
+            return fitted
+        moved = np.abs(stepped.optimum.theta - fitted.optimum.theta)
+        std = uncertainty(stepped.problem, stepped.optimum).std
+        if not np.any(moved > MOVED * std):  # what is not determined has none
+            return fitted
         fitted = stepped
     return fitted
 
