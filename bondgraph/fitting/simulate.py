@@ -14,10 +14,10 @@ from bondgraph.fitting.estimate import FitSettings, FittedModel, fit_model, scor
 from bondgraph.fitting.horizon import WholeRecordings
 from bondgraph.fitting.levenberg_marquardt import minimise, settle
 from bondgraph.fitting.result import Score
+from bondgraph.fitting.step_error import MOST_SUBSTEPS, step_error
 from bondgraph.numeric.audited_model import audited_model
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.spread import size
-from bondgraph.simulation.accuracy import halved_step_difference
 from bondgraph.simulation.energy_audit import EnergyAudit, together
 from bondgraph.simulation.events import Event
 from bondgraph.simulation.run import Run, simulate_audited
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 STEP_ERROR = 1e-3
 """Of an output's spread: what a step may change, seen by one of half its length."""
 
-MOST_SUBSTEPS, SETTLE_ITERATIONS = 16, 10
+SETTLE_ITERATIONS = 10
 
 
 class SolveStatus(StrEnum):
@@ -134,19 +134,11 @@ def _fine_enough(ran: FittedModel) -> FittedModel:
     while problem.model.n_states and problem.solver.substeps < MOST_SUBSTEPS:
         if not np.isfinite(ran.optimum.cost):
             return ran
-        change = halved_step_difference(
-            problem.model,
-            problem.shots,
-            parameters=problem.start,
-            initial=ran.optimum.initial,
-            solver=problem.solver,
-            hold=problem.hold,
-        )
-        if np.all(change <= fine):
+        theta = problem.start[problem.free]
+        if np.all(step_error(problem, theta, ran.optimum.initial) <= fine):
             return ran
         solver = replace(problem.solver, substeps=2 * problem.solver.substeps)
         problem = replace(problem, solver=solver)
-        theta = problem.start[problem.free]
         initial, at = settle(problem, theta, ran.optimum.initial, SETTLE_ITERATIONS)
         if not np.isfinite(at.cost).all():
             return ran

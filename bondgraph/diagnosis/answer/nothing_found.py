@@ -28,7 +28,7 @@ TRACE = 0.05
 
 HARDLY = 0.15
 """A smaller share leaves open what the rest is: of coloured noise some 8 % follow
-something slow by chance, of what machines outside the library leave 30 % and more.
+something slow by chance, of what machines outside the library leave 29 % and more.
 """
 
 MANY = 1000
@@ -65,7 +65,8 @@ def without_findings(
             f"These recordings do not decide: {names} would help, but not reliably on "
             "data that were left out."
         )
-    if worst > ADEQUATE_RATIO and follows and _is_at_most(checked, HARDLY):
+    hardly = checked is not None and _follows_at_most(checked, HARDLY)
+    if worst > ADEQUATE_RATIO and follows and hardly:
         return Verdict.CANNOT_TELL, (
             f"The residual is {_times(worst)} the white part of the noise, and little "
             f"of it follows what the machine does: at most {follows}. None of the "
@@ -106,8 +107,7 @@ def _as_noise(
             f"{checked.status} By chance it would follow the machine no less in "
             f"{chance}{_tried_words(first.tried)}."
         )
-    surely = checked is not None and checked.status is AdequacyStatus.STRUCTURE
-    if checked is not None and surely and _is_at_most(checked, TRACE):
+    if checked is not None and _follows_at_most(checked, TRACE):
         most = max(checked.dependences, key=lambda one: one.share)
         return Verdict.ADEQUATE, (
             f"What the model leaves is coloured noise. A trace of it, "
@@ -144,10 +144,10 @@ def _large_and_slow(
     )
 
 
-def _is_at_most(checked: Adequacy | None, share: float) -> bool:
-    """Return whether no family explains as much of what the model leaves."""
-    known = () if checked is None else checked.dependences
-    return bool(known) and all(one.share < share for one in known)
+def _follows_at_most(checked: Adequacy, share: float) -> bool:
+    """Return whether what the model leaves follows the machine so little, if surely."""
+    surely = checked.status is AdequacyStatus.STRUCTURE
+    return surely and all(one.share < share for one in checked.dependences)
 
 
 def _residual_words(ratio: float) -> str:

@@ -53,7 +53,7 @@ def answer(
     options: Options,
 ) -> Diagnosis:
     """Return the diagnosis that the rounds of a search amount to."""
-    base = rounds[0].base
+    base, final = rounds[0].base, told_finely(final)
     before, after = report(base, graph, recordings), report(final, graph, recordings)
     made = accepted(rounds)
     told, others = findings_of(rounds, after, held_out, options)
@@ -139,7 +139,7 @@ def _delivered(
     settings = replace(
         options.settings,
         horizon=final.horizon,
-        solver=told_finely(final).problem.solver,
+        solver=final.problem.solver,
         hold=final.problem.hold,
     )
     return report(refitted(final, everything, settings), start, everything)

@@ -10,14 +10,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.search.steps import (
-    MOST_SUBSTEPS,
-    explicit_steps,
-    left,
-    step_error,
-)
+from bondgraph.diagnosis.search.steps import explicit_steps, left
 from bondgraph.fitting.estimate import FitSettings, FittedModel, fit_model
 from bondgraph.fitting.levenberg_marquardt import minimise
+from bondgraph.fitting.step_error import MOST_SUBSTEPS, step_error
 from bondgraph.fitting.uncertainty import uncertainty
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.solvers import Hold, RungeKutta4, Sdirk2, Solver

@@ -18,7 +18,6 @@ from bondgraph.diagnosis.answer.doubt import MUCH_REMAINING, remaining
 from bondgraph.diagnosis.answer.leftover import noise_floor, too_large
 from bondgraph.diagnosis.answer.showing import simulate_whole
 from bondgraph.diagnosis.search.beginnings import Known
-from bondgraph.diagnosis.search.between_samples import told_finely
 from bondgraph.diagnosis.search.beyond_noise import within
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.diagnosis.search.hollow import without_hollow
@@ -79,8 +78,7 @@ def look(
     shop.progress("refitting the improved model")
     final = sharpened(rounds[-1].base, recordings, options)
     rounds, final = without_needless_parts(rounds, final, recordings, options)
-    rounds, final = without_hollow(rounds, final, recordings, options)
-    return Look(rounds, told_finely(final))
+    return Look(*without_hollow(rounds, final, recordings, options))
 
 
 def second_look(

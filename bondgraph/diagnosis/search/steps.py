@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 
 from bondgraph.fitting.levenberg_marquardt import Optimum, minimise
 from bondgraph.fitting.problem import FitProblem, Linearisation, linearise_windows
-from bondgraph.simulation.accuracy import halved_step_difference
+from bondgraph.fitting.step_error import step_error
 from bondgraph.simulation.native_shooting import suits_explicit
 from bondgraph.simulation.solvers import RungeKutta4, Sdirk2, Sdirk3, Solver
 
 Array = NDArray[np.float64]
-MOST_SUBSTEPS = 16
 EXPLICIT = (1, 2, 4)
 """Substeps of the explicit method; with more, an implicit one is as cheap."""
 
@@ -41,18 +40,6 @@ class Faithful:
 def solver_named(kind: str, substeps: int) -> Solver:
     """Return a solver from what was kept of it as plain data."""
     return KINDS[kind](substeps)
-
-
-def step_error(problem: FitProblem, theta: Array, initial: Array) -> Array:
-    """Return how much half the step changes each output; infinite where one fails."""
-    return halved_step_difference(
-        problem.model,
-        problem.shots,
-        parameters=problem.with_parameters(theta),
-        initial=initial,
-        solver=problem.solver,
-        hold=problem.hold,
-    )
 
 
 def left(problem: FitProblem, at: Linearisation) -> Array:
