@@ -59,7 +59,7 @@ def answer(
     where: Where | None = None,
     seconds: float | None = None,
     resume: Path | None = None,
-    either_hold: bool = False,
+    either_hold: bool = True,
 ) -> Diagnosis:
     """Diagnose, print the answer, and write the report page and the JSON."""
     every = (*training, *held_out)

@@ -7,6 +7,7 @@ laws.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 import sympy
@@ -178,7 +179,8 @@ class RecoveredSignal:
     """The missing effort (1-junction) or flow (0-junction) at one place.
 
     One value per window, positive into the junction, with the window's mean of the
-    local variables; ``explained`` is the share of the squared error it removes.
+    local variables (and of what else was asked for); ``explained`` is the share of the
+    squared error it removes.
     """
 
     place: str
@@ -193,11 +195,17 @@ def recover(
     place: str,
     recordings: Sequence[BoundRecording],
     horizon: Horizon,
+    also: Mapping[str, sympy.Expr] = MappingProxyType({}),
 ) -> RecoveredSignal:
     """Return the signal that a virtual source at `place` must give, window by window.
 
     The source is a state with rate zero whose initial value is estimated together with
     the other initial states, at the fitted parameters.
+
+    Parameters
+    ----------
+    also
+        What else to read beside the local variables, by the name it is to have.
     """
     shots = cut(recordings, horizon)
     graph = fitted.graph
@@ -234,7 +242,7 @@ def recover(
         place=place,
         value=value,
         std=_value_std(after.hessian[:, nq:, nq:], after.cost, shots.edges),
-        local=_local_means(fitted, junction, shots, states),
+        local=_local_means(fitted, junction, shots, states, also),
         explained=_explained(before.cost, after.cost),
     )
 
@@ -260,11 +268,15 @@ def _value_std(hessian: Array, cost: Array, edges: Sequence[int]) -> Array:
 
 
 def _local_means(
-    fitted: FittedModel, junction: Junction, shots: Shots, states: Array
+    fitted: FittedModel,
+    junction: Junction,
+    shots: Shots,
+    states: Array,
+    also: Mapping[str, sympy.Expr],
 ) -> dict[str, Array]:
-    """Return window means of the local variables, by quantity."""
+    """Return window means of the local variables, by quantity, and of what else."""
     own = common_signal(junction)
-    wanted: dict[str, sympy.Expr] = {own.quantity.value: own}
+    wanted: dict[str, sympy.Expr] = {own.quantity.value: own, **also}
     moved_by = junction_place(fitted.graph, junction.name, Scales()).displacement_signal
     if moved_by is not None:
         wanted[Quantity.DISPLACEMENT.value] = moved_by

@@ -54,6 +54,8 @@ class Hypothesis:
         Other names of the same place in the user's model.
     smoothing
         The parameters, not fitted, over which it smooths what is sharp in truth.
+    factor
+        What of the law multiplies a curve without a name.
     """
 
     physics: str
@@ -68,6 +70,7 @@ class Hypothesis:
     strengths: tuple[str, ...] = ()
     also: tuple[str, ...] = ()
     smoothing: tuple[str, ...] = ()
+    factor: sympy.Expr = sympy.S.One
 
     @property
     def parameters(self) -> tuple[str, ...]:

@@ -9,12 +9,14 @@ differently in its fit and in the final one. What then differs is the law.
 from collections.abc import Sequence
 
 import numpy as np
+import sympy
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.probing import common_signal, probe
 from bondgraph.diagnosis.records import LawCurve
 from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.fitting.estimate import FittedModel
+from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.edits import InsertElement
 from bondgraph.structure.elements import (
@@ -25,10 +27,12 @@ from bondgraph.structure.elements import (
     OneJunction,
     Resistance,
 )
-from bondgraph.structure.signals import Signal, signals_in
+from bondgraph.structure.signals import Signal, f, flow, signals_in
 
 Array = NDArray[np.float64]
 CURVE_POINTS = 400
+TELLS = 0.2
+"""Of a factor's largest value, below which nothing is told of what it multiplies."""
 
 
 def law_curve(
@@ -36,15 +40,31 @@ def law_curve(
 ) -> tuple[Array, Array]:
     """Return the law along the simulated motion of a fitted model, sorted.
 
+    Of a law that multiplies a curve the curve, where its factor is not too small.
+
     Parameters
     ----------
     quantity
         What is on the abscissa: the variable common at the place, or displacement.
     """
     own, answer = _axes(fitted, candidate, quantity)
-    read = probe(fitted, (own, answer))
-    order = _thinned(read[own])
-    return read[own][order], _sign(fitted, candidate) * read[answer][order]
+    factor = factor_at_place(candidate.hypothesis)
+    read = probe(fitted, (own, answer, factor))
+    told = tells(read[factor])
+    x, y = read[own][told], read[answer][told] / read[factor][told]
+    order = _thinned(x)
+    return x[order], _sign(fitted, candidate) * y[order]
+
+
+def factor_at_place(hypothesis: Hypothesis) -> sympy.Expr:
+    """Return what multiplies the curve of a law, in the signals of its place."""
+    return hypothesis.factor.xreplace({f: flow(hypothesis.place)})
+
+
+def tells(factor: Array) -> NDArray[np.bool_]:
+    """Return where a factor is so large that what it multiplies can be told."""
+    large: NDArray[np.bool_] = np.abs(factor) >= TELLS * np.nanmax(np.abs(factor))
+    return large
 
 
 def rival_curves(
@@ -55,6 +75,7 @@ def rival_curves(
         _rival(final, other, quantity)
         for other in others
         if isinstance(other.hypothesis.edit, InsertElement)
+        and other.hypothesis.factor == 1
     )
 
 

@@ -7,7 +7,12 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.answer.drawn_laws import law_curve, rival_curves
+from bondgraph.diagnosis.answer.drawn_laws import (
+    factor_at_place,
+    law_curve,
+    rival_curves,
+    tells,
+)
 from bondgraph.diagnosis.probing import common_signal, recover
 from bondgraph.diagnosis.records import RecoveredLaw, Trace
 from bondgraph.diagnosis.search.candidates import Candidate
@@ -16,14 +21,18 @@ from bondgraph.fitting.horizon import Horizon, WholeRecordings, Windows, cut
 from bondgraph.fitting.levenberg_marquardt import settle
 from bondgraph.fitting.problem import FitProblem, Linearisation
 from bondgraph.fitting.result import Score
+from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.solvers import implicit
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.edits import InsertElement
 from bondgraph.structure.elements import OneJunction
+from bondgraph.structure.signals import f, parameter_symbol
 
 Array = NDArray[np.float64]
 CLOUD_POINTS = 200
+FACTOR = "factor"
+"""Read beside the local variables: what multiplies a curve."""
 FINER = (1, 4, 16)
 """How many times finer the steps are, in turn, until a simulation ends."""
 
@@ -164,7 +173,16 @@ def recovered_law(
         problem=replace(base.problem, start=start),
         optimum=replace(base.optimum, theta=start[base.problem.free]),
     )
-    signal = recover(without, hypothesis.place, recordings, _cloud_windows(recordings))
+    factor = factor_at_place(hypothesis).subs(
+        {parameter_symbol(name): value for name, value in values.items()}
+    )
+    signal = recover(
+        without,
+        hypothesis.place,
+        recordings,
+        _cloud_windows(recordings),
+        {FACTOR: factor},
+    )
     argument = (
         Quantity.DISPLACEMENT.value
         if "displacement" in hypothesis.depends_on
@@ -172,23 +190,35 @@ def recovered_law(
     )
     if argument not in signal.local:
         return None
-    x, y = signal.local[argument], -signal.value
+    told = tells(signal.local[FACTOR])
+    x = signal.local[argument][told]
+    y = -signal.value[told] / signal.local[FACTOR][told]
     curve_x, curve_y = law_curve(final, candidate, argument)
     domain = base.graph.domain_at(hypothesis.place)
-    is_one = isinstance(_junction(base, hypothesis.place), OneJunction)
-    answer = Quantity.EFFORT if is_one else Quantity.FLOW
+    name, unit = _given(base, hypothesis)
     return RecoveredLaw(
         place=hypothesis.place,
         argument_name=domain.word(Quantity(argument)),
         argument_unit=domain.unit(Quantity(argument)),
-        value_name=domain.word(answer),
-        value_unit=domain.unit(answer),
+        value_name=name,
+        value_unit=unit,
         argument=x,
         value=y,
         curve_argument=curve_x,
         curve_value=curve_y,
-        others=rival_curves(final, others, argument),
+        others=rival_curves(final, others if factor == 1 else (), argument),
     )
+
+
+def _given(base: FittedModel, hypothesis: Hypothesis) -> tuple[str, str]:
+    """Return what a law (or the curve that it multiplies) gives, and its unit."""
+    domain = base.graph.domain_at(hypothesis.place)
+    is_one = isinstance(_junction(base, hypothesis.place), OneJunction)
+    answer = Quantity.EFFORT if is_one else Quantity.FLOW
+    name, unit = domain.word(answer), domain.unit(answer)
+    if hypothesis.factor == f:
+        return f"{name} per {domain.flow}", f"({unit})/({domain.unit(Quantity.FLOW)})"
+    return name, unit
 
 
 def _junction(fitted: FittedModel, place: str):  # type: ignore[no-untyped-def]

@@ -195,7 +195,17 @@ def _plainest_near(best: Judged, supported: Sequence[Judged], rule: Rule) -> Jud
     leading = max(simplest, key=lambda j: j.gain.value)
     plainest = min((j for j in simplest if alike(leading, j)), key=rule.plainness)
     same = [j for j in simplest if j.physics == plainest.physics]
-    return max(same, key=lambda j: j.gain.value)
+    fewest = min(map(_variables, same))
+    return max((j for j in same if _variables(j) == fewest), key=_gained)
+
+
+def _gained(judged: Judged) -> float:
+    return judged.gain.value
+
+
+def _variables(judged: Judged) -> int:
+    """Return how many local variables a law depends on."""
+    return len(judged.candidate.hypothesis.depends_on)
 
 
 def clearly_better(better: Judged, worse: Judged, rule: Rule) -> bool:

@@ -80,7 +80,11 @@ def _trial(bench: Bench, there: str, judged: Sequence[Judged]) -> Trial | None:
     for place in all_places(bench.base.graph, measure_scales(bench.base)):
         if place.name != there or not isinstance(place, JunctionPlace):
             continue
-        curves = [c for c in UnknownRelation().propose(place) if c.told_by not in known]
+        curves = [
+            curve
+            for curve in UnknownRelation().propose(place)
+            if curve.told_by not in known and curve.factor == 1
+        ]
         for law in laws:
             for curve in curves:
                 if law.hypothesis.depends_on == curve.depends_on:

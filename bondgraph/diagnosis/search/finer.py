@@ -15,9 +15,10 @@ from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import CURVE, Candidate
 from bondgraph.diagnosis.search.trying import Start, Trial, fit_fully
+from bondgraph.physics.curves import Smooth
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.places.everywhere import all_places
-from bondgraph.physics.unknown import Smooth, UnknownRelation
+from bondgraph.physics.unknown import UnknownRelation
 
 PIECES = 8
 """Into how many each stretch of the first curve is divided."""

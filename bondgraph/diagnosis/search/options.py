@@ -32,8 +32,8 @@ class Options:
         A directory for the journal of what has been worked out: a diagnosis that was
         interrupted goes on from there. None for no journal.
     either_hold
-        Whether inputs may behave between samples as suits the base model better,
-        rather than as `settings` say.
+        Whether inputs may behave between samples as suits the base model better; False
+        for as `settings` say. What is held but taken for joined looks like a delay.
     seconds
         After so many the search ends: what stands by then is the answer, and says that
         it was cut short. None for as long as it takes.
@@ -47,5 +47,5 @@ class Options:
     most_findings: int = 5
     where: Where = field(default_factory=Here)
     resume: Path | None = None
-    either_hold: bool = False
+    either_hold: bool = True
     seconds: float | None = None

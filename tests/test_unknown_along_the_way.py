@@ -1,0 +1,77 @@
+"""A size that changes along the way is told as its curve, and a constant one is not."""
+
+import numpy as np
+import pytest
+
+from bondgraph import BondGraph, R, Recording, Sf, bind_to, diagnose
+from bondgraph.diagnosis.records import Verdict
+from bondgraph.diagnosis.search.options import Options
+from bondgraph.physics.friction import CoulombFriction
+from bondgraph.physics.unknown import UnknownRelation
+
+LIBRARY = (CoulombFriction(), UnknownRelation())
+
+
+def slider():
+    """Return a slider that is pulled at known speeds, its force and its way read."""
+    g = BondGraph("slider", domain="translation")
+    g.one("cart", Sf("speed"), R("damper"))
+    g.measure("force", effort="speed")
+    g.measure("way", displacement="cart")
+    g.parameter("damper", 1.0, "N*s/m", bounds=(0, 100))
+    return g.finish()
+
+
+def recorded(force_of, seed):
+    rng = np.random.default_rng(seed)
+    time = np.arange(1200) * 0.01
+    way = 0.4 * np.sin(1.3 * time + seed) + 0.3 * np.sin(0.7 * time)
+    speed = np.gradient(way, time)
+    force = force_of(way, speed) + 0.02 * rng.normal(size=time.size)
+    channels = {
+        "speed": (speed, "m/s"),
+        "force": (force, "N"),
+        "way": (way + 1e-4 * rng.normal(size=time.size), "m"),
+    }
+    return bind_to(slider(), Recording.from_arrays(f"run {seed}", time, channels))
+
+
+def said(force_of):
+    run, other = (recorded(force_of, seed) for seed in (1, 2))
+    return diagnose(slider(), [run], held_out=[other], options=Options(library=LIBRARY))
+
+
+def bump(way):
+    return np.exp(-((way / 0.3) ** 2))
+
+
+@pytest.mark.parametrize(
+    ("words", "size_of", "factor", "unit"),
+    [
+        ("against the motion", lambda q: 0.5 + 2 * bump(q), np.sign, "N"),
+        ("proportional to", lambda q: 4 * bump(q), np.asarray, "(N)/(m/s)"),
+    ],
+)
+def test_a_size_that_changes_along_the_way_is_told_as_its_curve(
+    words, size_of, factor, unit
+):
+    found = said(lambda way, speed: speed + size_of(way) * factor(speed))
+    assert found.verdict is Verdict.UNEXPLAINED
+    curve, law = found.findings[-1], found.recovered[-1]
+    assert (curve.physics, curve.place) == ("unknown_relation", "cart")
+    assert words in curve.statement
+    assert law.value_unit == unit
+    # What is in proportion to the speed is the damper's as well: both together count.
+    more = found.fit_after.estimate("damper").value - 1.0 if factor(2) == 2 else 0.0
+    # What dry friction was found before has its share of the size.
+    before = sum(e.value for f in found.findings[:-1] for e in f.estimates)
+    drawn, true = law.curve_value + more + before, size_of(law.curve_argument)
+    assert np.sqrt(np.mean((drawn - true) ** 2) / np.mean(true**2)) < 0.1
+    # So does the cloud, of which nothing is shown where the motion turns around.
+    cloud = law.value + more + before
+    assert np.median(np.abs(cloud - size_of(law.argument))) < 0.1 * true.max()
+
+
+def test_a_constant_size_is_the_law_with_a_name():
+    found = said(lambda way, speed: speed + 1.5 * np.sign(speed))
+    assert [one.physics for one in found.findings] == ["coulomb_friction"]
