@@ -4,6 +4,8 @@ import json
 import math
 import os
 import shutil
+import subprocess
+import sys
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
 
@@ -216,3 +218,25 @@ def test_a_worker_does_its_linear_algebra_on_one_thread(monkeypatch, set_by_user
     finally:
         pool.end(now=True)
     assert os.getenv("OMP_NUM_THREADS") == set_by_user
+
+
+ON_ITS_WAY = """
+import time
+from bondgraph.diagnosis.work.pool import Pool
+
+if __name__ == "__main__":
+    pool = Pool(1)
+    pool.submit(time.sleep, 0.0).result()
+    work = [pool.submit(time.sleep, 600.0)]
+    work += [pool.submit(len, bytes(10_000_000)) for _ in range(4)]
+    for one in work:
+        one.cancel()
+    pool.end(now=True)
+"""
+"""The pipe to the one worker holds less than is submitted, and nobody reads the rest."""
+
+
+def test_work_on_its_way_to_workers_that_are_gone_keeps_nobody_waiting(tmp_path):
+    script = tmp_path / "on_its_way.py"
+    script.write_text(ON_ITS_WAY)
+    subprocess.run([sys.executable, str(script)], check=True, timeout=60)

@@ -56,9 +56,21 @@ class Pool(Executor):
             return
         if now:
             self._line.close()
+            _forget_what_waits(self._processes)
         self._processes.shutdown(wait=not now, cancel_futures=now)
         self._line.close()
         self._processes = self._line = None
+
+
+def _forget_what_waits(processes: ProcessPoolExecutor) -> None:
+    """Let this process end though work was on its way to workers that are gone.
+
+    What is larger than their pipe waits for a reader, and the end of this process for
+    what waits; there is no public way to say that nobody will read it.
+    """
+    queue = getattr(processes, "_call_queue", None)
+    if queue is not None:
+        queue.cancel_join_thread()
 
 
 @contextmanager
