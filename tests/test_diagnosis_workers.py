@@ -225,18 +225,29 @@ import time
 from bondgraph.diagnosis.work.pool import Pool
 
 if __name__ == "__main__":
-    pool = Pool(1)
-    pool.submit(time.sleep, 0.0).result()
-    work = [pool.submit(time.sleep, 600.0)]
-    work += [pool.submit(len, bytes(10_000_000)) for _ in range(4)]
+    pool = Pool(2)
+    for one in [pool.submit(time.sleep, 0.0) for _ in range(4)]:
+        one.result()
+    for _ in range(2):
+        pool.submit(time.sleep, 600.0)
+    time.sleep(0.5)
+    work = [pool.submit(len, bytes(20_000_000)) for _ in range(8)]
+    time.sleep(1.0)
     for one in work:
         one.cancel()
     pool.end(now=True)
 """
-"""The pipe to the one worker holds less than is submitted, and nobody reads the rest."""
+"""The pipe to the workers holds less than is submitted; nobody reads the rest."""
 
 
 def test_work_on_its_way_to_workers_that_are_gone_keeps_nobody_waiting(tmp_path):
     script = tmp_path / "on_its_way.py"
     script.write_text(ON_ITS_WAY)
-    subprocess.run([sys.executable, str(script)], check=True, timeout=60)
+    ended = subprocess.run(
+        [sys.executable, str(script)],
+        check=True,
+        timeout=60,
+        capture_output=True,
+        text=True,
+    )
+    assert ended.stderr == ""

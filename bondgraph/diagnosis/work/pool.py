@@ -31,6 +31,7 @@ class Pool(Executor):
     def __init__(self, workers: int) -> None:
         self.workers = workers
         self._processes: ProcessPoolExecutor | None = None
+        self._ended: ProcessPoolExecutor | None = None
         self._line: Connection | None = None
 
     def submit(
@@ -54,23 +55,11 @@ class Pool(Executor):
         """End the processes: at once, or when they have done what was submitted."""
         if self._processes is None or self._line is None:
             return
-        if now:
-            self._line.close()
-            _forget_what_waits(self._processes)
+        # Before the workers end: what is cancelled must be known when they are missed.
         self._processes.shutdown(wait=not now, cancel_futures=now)
         self._line.close()
-        self._processes = self._line = None
-
-
-def _forget_what_waits(processes: ProcessPoolExecutor) -> None:
-    """Let this process end though work was on its way to workers that are gone.
-
-    What is larger than their pipe waits for a reader, and the end of this process for
-    what waits; there is no public way to say that nobody will read it.
-    """
-    queue = getattr(processes, "_call_queue", None)
-    if queue is not None:
-        queue.cancel_join_thread()
+        # Kept, for what it has cancelled is told only to an executor that is there.
+        self._ended, self._processes, self._line = self._processes, None, None
 
 
 @contextmanager
