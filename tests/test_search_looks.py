@@ -69,7 +69,7 @@ def found(model):
     run = heated(model)
     library = tuple(physics for physics in LIBRARY if physics.word in WORDS)
     said = []
-    options = Options(settings=HELD, library=library)
+    options = Options(settings=HELD, library=library, either_hold=False)
     diagnosis = diagnose(
         model, [run], held_out=[run], options=options, progress=said.append
     )

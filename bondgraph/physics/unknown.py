@@ -29,7 +29,7 @@ from bondgraph.structure.signals import e, effort, f, flow, q
 
 @dataclass(frozen=True)
 class UnknownRelation(AbstractPhysics):
-    """A free curve of a local variable: flow, effort, displacement, or a command.
+    """A free curve of what is local; also of a friction's size, or a ratio, on the way.
 
     Parameters
     ----------

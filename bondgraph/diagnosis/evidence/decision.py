@@ -165,17 +165,20 @@ def best_supported(judged: Sequence[Judged], rule: Rule) -> Judged | None:
 
     A law with more parameters must beat the simpler one materially; among laws as
     simple the better predictor wins. A curve without a name is chosen only where no
-    named law gives most of what it gives.
+    named law gives most of what it gives, and one that multiplies what depends on
+    something else only where no curve alone does.
     """
     supported = [j for j in judged if j.support is Support.SUPPORTED]
     if not supported:
         return None
     named = [j for j in supported if j.physics != CURVE]
-    best = max(supported, key=lambda j: j.gain.value)
-    if named:
-        best_named = max(named, key=lambda j: j.gain.value)
-        if best_named.gain.value >= NAMED_SHARE * best.gain.value:
-            supported, best = named, best_named
+    alone = [j for j in supported if j.candidate.hypothesis.factor == 1]
+    best = max(supported, key=_gained)
+    for fewer in filter(None, (named, alone)):
+        leading = max(fewer, key=_gained)
+        if leading.gain.value >= NAMED_SHARE * best.gain.value:
+            supported, best = fewer, leading
+            break
     chosen = _plainest_near(best, supported, rule)
     while True:
         plainer = _plainest_near(chosen, supported, rule)
@@ -192,7 +195,7 @@ def _plainest_near(best: Judged, supported: Sequence[Judged], rule: Rule) -> Jud
     close = [j for j in supported if not clearly_better(best, j, rule)]
     fewest = min(j.candidate.complexity for j in close)
     simplest = [j for j in close if j.candidate.complexity == fewest]
-    leading = max(simplest, key=lambda j: j.gain.value)
+    leading = max(simplest, key=_gained)
     plainest = min((j for j in simplest if alike(leading, j)), key=rule.plainness)
     same = [j for j in simplest if j.physics == plainest.physics]
     fewest = min(map(_variables, same))
@@ -233,11 +236,14 @@ def _lead(
 def alike(one: Judged, other: Judged) -> bool:
     """Return whether two candidates predict alike.
 
-    To 2 % of the left-out error, or to one standard error of the difference (Breiman,
-    Friedman, Olshen and Stone, *Classification and Regression Trees*, 1984, 3.4.3).
+    To 2 % of what noise does not excuse of the left-out error, or to one standard error
+    of the difference (Breiman, Friedman, Olshen and Stone, *Classification and
+    Regression Trees*, 1984, 3.4.3). Where both leave little but noise, little tells.
     """
     difference = compare(other.errors, one.errors)
-    return abs(difference.value) < max(ALIKE, difference.std)
+    whole = max(float(other.errors.chunks.sum()), 1e-300)
+    beyond = max(one.errors.beyond_noise, other.errors.beyond_noise) / whole
+    return abs(difference.value) <= max(ALIKE * beyond, difference.std)
 
 
 def alternatives_to(

@@ -65,13 +65,15 @@ class BetterCurve:
 def better_curve(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
     """Return the best curve that leaves clearly less than what was found, if any.
 
-    Where one was found itself, or none was tried at the place of a finding, there is
-    none.
+    Where none was tried at the place of a law with a name, or a curve was found there
+    itself, there is none.
     """
     made = [one.chosen for one in accepted(rounds) if one.chosen is not None]
-    if not made or any(one.physics == CURVE for one in made):
+    drawn = {one.place for one in made if one.physics == CURVE}
+    places = {one.place for one in made} - drawn
+    if not places:
         return None
-    last, places = made[-1], {one.place for one in made}
+    last = made[-1]
     curves = [
         (i, judged)
         for i, found in enumerate(rounds)
@@ -102,7 +104,7 @@ def with_curve(
     before = left_out_errors(found.base, curve.errors.chunks.size)
     sure = probability(curve, found.judged, before, rule)
     bench = Bench.of(found.base, shop, f"round {better.index + 1}")
-    drawn = as_fine_as_told(bench, curve)
+    drawn = as_fine_as_told(bench, curve, before)
     judged = tuple(drawn if one is curve else one for one in found.judged)
     told = replace(found, judged=judged, chosen=drawn, probability=sure, removed=())
     return [*rounds[: better.index], told]

@@ -10,7 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from bondgraph.diagnosis.evidence.decision import Judged
-from bondgraph.diagnosis.evidence.left_out import left_out_errors
+from bondgraph.diagnosis.evidence.gain import compare
+from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, left_out_errors
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import CURVE, Candidate
@@ -27,35 +28,45 @@ ROUGHNESS = (1.0, 3.0, 10.0, 30.0, 100.0)
 """How rough a curve may be, in heights per range, one after the other."""
 
 
-def as_fine_as_told(bench: Bench, chosen: Judged) -> Judged:
+def as_fine_as_told(bench: Bench, chosen: Judged, before: LeftOutErrors) -> Judged:
     """Return the chosen candidate; a curve as the smooth one that predicts best.
 
     Left-out data decide how smooth, by the mean log error of the chunks: one chunk that
     alone reaches an end of the curve would decide a sum. Where no smooth curve predicts
     them as well as the first one, that stays.
+
+    Parameters
+    ----------
+    before
+        Errors without it: what the smooth curve gains is told of it.
     """
     if chosen.physics != CURVE:
         return chosen
     first = start = chosen.candidate
     chunks = len(chosen.errors.chunks)
-    best, least = first, _left(first, chunks)
+    best, errors = first, left_out_errors(first.fitted, chunks)
     for roughness in ROUGHNESS:
         drawn = _drawn(bench, first, start, roughness)
         if drawn is None:
             continue
-        left = _left(drawn, chunks)
-        if left > least and best is not first:
+        left = left_out_errors(drawn.fitted, chunks)
+        if _typical(left) > _typical(errors) and best is not first:
             break
-        if left <= least:
-            best, least = drawn, left
+        if _typical(left) <= _typical(errors):
+            best, errors = drawn, left
         start = drawn
-    return replace(chosen, candidate=best)
+    if best is first:
+        return chosen
+    errors = replace(errors, noise=chosen.errors.noise)
+    gain = compare(before, errors)
+    reason = f"reduces the left-out error by {gain}"
+    return replace(chosen, candidate=best, errors=errors, gain=gain, reason=reason)
 
 
-def _left(curve: Candidate, chunks: int) -> float:
+def _typical(errors: LeftOutErrors) -> float:
     """Return the mean log of the squared errors on left-out chunks."""
-    errors = left_out_errors(curve.fitted, chunks).chunks
-    return float(np.mean(np.log(np.maximum(errors, 1e-12 * errors.max()))))
+    chunks = errors.chunks
+    return float(np.mean(np.log(np.maximum(chunks, 1e-12 * chunks.max()))))
 
 
 def _drawn(

@@ -75,8 +75,10 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
             if not _suffices(seen, setting):
                 fitted = fit(bench, others, HOPELESS, options.judged)
                 seen = _judged(setting, bench, fitted, order, tried, seen)
-    verdicts, first_choice = seen.verdicts, seen.verdicts.chosen
-    chosen = None if first_choice is None else as_fine_as_told(bench, first_choice)
+    verdicts, chosen = seen.verdicts, seen.verdicts.chosen
+    first_choice = chosen
+    if chosen is not None and verdicts.before is not None:
+        chosen = as_fine_as_told(bench, chosen, verdicts.before)
     judged = with_curve_drawn(
         bench, verdicts, screened.independent, options.rule, setting.noise
     )
