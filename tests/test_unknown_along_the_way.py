@@ -4,10 +4,18 @@ import numpy as np
 import pytest
 
 from bondgraph import BondGraph, R, Recording, Sf, bind_to, diagnose
+from bondgraph.diagnosis.answer.showing import recovered_law
+from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.records import Verdict
+from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.friction import CoulombFriction
+from bondgraph.physics.places.channels import InputPlace
+from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.unknown import UnknownRelation
+from bondgraph.reporting.page.laws import law_picture
 
 LIBRARY = (CoulombFriction(), UnknownRelation())
 
@@ -75,3 +83,26 @@ def test_a_size_that_changes_along_the_way_is_told_as_its_curve(
 def test_a_constant_size_is_the_law_with_a_name():
     found = said(lambda way, speed: speed + 1.5 * np.sign(speed))
     assert [one.physics for one in found.findings] == ["coulomb_friction"]
+
+
+def test_a_curve_that_changes_a_law_is_drawn_without_a_cloud():
+    time = np.arange(1200) * 0.01
+    told = 0.5 * np.sin(1.3 * time) + 0.4 * np.sin(0.7 * time)
+    acts = told - 0.3 * told**3
+    way = np.cumsum(acts) * 0.01 - acts * 0.005
+    channels = {"speed": (told, "m/s"), "force": (acts, "N"), "way": (way, "m")}
+    run = bind_to(slider(), Recording.from_arrays("run", time, channels))
+    base = fit_model(slider(), [run], FitSettings())
+    places = all_places(base.graph, measure_scales(base))
+    (place,) = (one for one in places if isinstance(one, InputPlace))
+    curve, _ = UnknownRelation().propose(place)
+    fitted = fitted_with(base, base, [curve], curve.starts[0])
+    law = recovered_law(base, Candidate(curve, fitted, 6), fitted, [run])
+    assert (law.argument_unit, law.value_unit, law.argument.size) == ("m/s", "m/s", 0)
+    # The damper's number is free as well: it takes the size of the curve.
+    true = law.curve_argument - 0.3 * law.curve_argument**3
+    drawn = fitted.values["damper"] * law.curve_value
+    assert np.sqrt(np.mean((drawn - true) ** 2) / np.mean(true**2)) < 0.05
+    shown = law_picture(law)
+    assert list(dict(shown.key).values()) == ["the law found"]
+    assert shown.rows

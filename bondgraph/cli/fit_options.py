@@ -70,7 +70,11 @@ def fit_options(*, window: str, either: bool = False) -> Callable[[F], F]:
             default="auto" if either else "first",
             show_default=True,
             help="Inputs between samples: held (zero), straight lines (first)"
-            + (", or as fits the model better (auto)." if either else "."),
+            + (
+                ", or as fits the model better (auto)."
+                if either
+                else ". A command that goes in steps is held."
+            ),
         )(with_settings)
         return click.option(  # type: ignore[return-value]
             "--window",

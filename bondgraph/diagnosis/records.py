@@ -124,9 +124,9 @@ class RecoveredLaw:
     """The missing effort (or flow) recovered at a place, against a local variable.
 
     ``argument`` and ``value`` are the data cloud (one point per knot of the recovered
-    signal); ``curve_argument`` and ``curve_value`` the law of the finding over the
-    range visited, empty when no law was found. ``others`` are the curves of other laws
-    judged there, best first.
+    signal, none where a curve changes a law); ``curve_argument`` and ``curve_value``
+    the law of the finding over the range visited, empty when no law was found.
+    ``others`` are the curves of other laws judged there, best first.
     """
 
     place: str

@@ -24,6 +24,22 @@ class Passivity(StrEnum):
     SIGNAL = "It carries no power: it changes what is commanded or read."
 
 
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """What to draw of a curve that changes a law: a value over an argument.
+
+    Both are expressions in signals and parameters, with what they are called and their
+    units.
+    """
+
+    argument: sympy.Expr
+    argument_name: str
+    argument_unit: str
+    value: sympy.Expr
+    value_name: str
+    value_unit: str
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hypothesis:
     """One (physics, place) with everything needed to insert, fit and tell it.
@@ -56,6 +72,8 @@ class Hypothesis:
         The parameters, not fitted, over which it smooths what is sharp in truth.
     factor
         What of the law multiplies a curve without a name.
+    shape
+        That curve, where it changes a law and nothing can be taken out again.
     """
 
     physics: str
@@ -71,6 +89,7 @@ class Hypothesis:
     also: tuple[str, ...] = ()
     smoothing: tuple[str, ...] = ()
     factor: sympy.Expr = sympy.S.One
+    shape: Shape | None = None
 
     @property
     def parameters(self) -> tuple[str, ...]:

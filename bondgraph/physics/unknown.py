@@ -12,7 +12,7 @@ import sympy
 
 from bondgraph.physics.curves import ALONG, Knots, Smooth, drawn, even, turning
 from bondgraph.physics.friction import direction
-from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Shape
 from bondgraph.physics.places.base import MECHANICAL, Coefficient, E, F, Place, Q
 from bondgraph.physics.places.channels import InputPlace
 from bondgraph.physics.places.element import ElementPlace
@@ -70,7 +70,9 @@ class UnknownRelation(AbstractPhysics):
         law = place.signal + curve
         words = f"{place.name} acts along an unnamed curve of what is commanded"
         edit = place.become(law, *heights, size)
-        return self.hypothesis(place, edit, law, heights, words)
+        found = self.hypothesis(place, edit, law, heights, words)
+        given = (place.signal, f"{place.name} as commanded", unit)
+        return replace(found, shape=Shape(*given, law, "what acts", unit))
 
     def _gain(self, place: InputPlace) -> Hypothesis:
         """Make the gain a free curve of what the input meets, its flow or effort."""
@@ -84,7 +86,9 @@ class UnknownRelation(AbstractPhysics):
         law = place.signal * (1 + curve)
         words = f"{place.name} acts with a gain that changes with what it meets"
         edit = place.become(law, *heights, size)
-        return self.hypothesis(place, edit, law, heights, words)
+        found = self.hypothesis(place, edit, law, heights, words)
+        name = place.graph.domain_at(place.junction).word(other.quantity)
+        return replace(found, shape=Shape(other, name, unit, 1 + curve, "gain", "1"))
 
     def _curve(
         self, place: JunctionPlace, variable: sympy.Symbol, quantity: Quantity
@@ -165,7 +169,9 @@ class UnknownRelation(AbstractPhysics):
         law = place.usual_law * (1 + curve)
         words = f"{place.name} changes along the way of {beside.name}"
         edit = place.replace(law, *heights, width)
-        return self.hypothesis(place, edit, law, heights, words, also=place.junctions)
+        found = self.hypothesis(place, edit, law, heights, words, also=place.junctions)
+        way = (beside.displacement_signal, beside.domain.displacement, beside.unit(Q))
+        return replace(found, shape=Shape(*way, 1 + curve, "ratio to its usual", "1"))
 
 
 def knots_at(place: JunctionPlace, quantity: Quantity) -> Knots:

@@ -56,6 +56,15 @@ def law_curve(
     return x[order], _sign(fitted, candidate) * y[order]
 
 
+def curve_of(
+    fitted: FittedModel, argument: sympy.Expr, value: sympy.Expr
+) -> tuple[Array, Array]:
+    """Return an expression over another along the simulated motion, sorted."""
+    read = probe(fitted, (argument, value))
+    order = _thinned(read[argument])
+    return read[argument][order], read[value][order]
+
+
 def factor_at_place(hypothesis: Hypothesis) -> sympy.Expr:
     """Return what multiplies the curve of a law, in the signals of its place."""
     return hypothesis.factor.xreplace({f: flow(hypothesis.place)})

@@ -1,6 +1,6 @@
 """To show, not to choose: whole-recording simulations, traces and the recovered law."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.answer.drawn_laws import (
+    curve_of,
     factor_at_place,
     law_curve,
     rival_curves,
@@ -21,7 +22,7 @@ from bondgraph.fitting.horizon import Horizon, WholeRecordings, Windows, cut
 from bondgraph.fitting.levenberg_marquardt import settle
 from bondgraph.fitting.problem import FitProblem, Linearisation
 from bondgraph.fitting.result import Score
-from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.physics.hypothesis import Hypothesis, Shape
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.solvers import implicit
 from bondgraph.structure.domains import Quantity
@@ -153,26 +154,20 @@ def recovered_law(
     The signal is recovered with the *final* model's parameters and the candidate's
     element taken out again, so that the cloud shows the law and not the bias that its
     absence put into other parameters. None where the model has no time, or where the
-    candidate replaced a law, so that nothing can be taken out again. `others` at the
-    same place are drawn beside it where they are insertions too.
+    candidate replaced a law, so that nothing can be taken out again: of a curve that
+    changes a law there is the curve alone. `others` at the same place are drawn beside
+    it where they are insertions too.
     """
     hypothesis = candidate.hypothesis
+    if hypothesis.shape is not None:
+        return _curve_alone(hypothesis.place, hypothesis.shape, final)
     if base.problem.model.n_states == 0 or not hypothesis.depends_on:
         return None
     if not isinstance(hypothesis.edit, InsertElement):
         return None
     # What a later round took out again is only in the model of this one.
     values = {**base.values, **final.values}
-    graph = base.graph.with_parameters(
-        {name: values[name] for name in base.graph.parameters if name in values}
-    )
-    start = np.array([values[name] for name in base.problem.model.parameter_names])
-    without = replace(
-        base,
-        graph=graph,
-        problem=replace(base.problem, start=start),
-        optimum=replace(base.optimum, theta=start[base.problem.free]),
-    )
+    without = _at(base, values)
     factor = factor_at_place(hypothesis).subs(
         {parameter_symbol(name): value for name, value in values.items()}
     )
@@ -207,6 +202,34 @@ def recovered_law(
         curve_argument=curve_x,
         curve_value=curve_y,
         others=rival_curves(final, others if factor == 1 else (), argument),
+    )
+
+
+def _curve_alone(place: str, shape: Shape, final: FittedModel) -> RecoveredLaw:
+    """Return a curve that changes a law, over what it has gone through; no cloud."""
+    x, y = curve_of(final, shape.argument, shape.value)
+    return RecoveredLaw(
+        place=place,
+        argument_name=shape.argument_name,
+        argument_unit=shape.argument_unit,
+        value_name=shape.value_name,
+        value_unit=shape.value_unit,
+        argument=np.zeros(0),
+        value=np.zeros(0),
+        curve_argument=x,
+        curve_value=y,
+    )
+
+
+def _at(fitted: FittedModel, values: Mapping[str, float]) -> FittedModel:
+    """Return a model with other values of its parameters, not fitted again."""
+    known = {name: values[name] for name in fitted.graph.parameters if name in values}
+    start = np.array([values[name] for name in fitted.problem.model.parameter_names])
+    return replace(
+        fitted,
+        graph=fitted.graph.with_parameters(known),
+        problem=replace(fitted.problem, start=start),
+        optimum=replace(fitted.optimum, theta=start[fitted.problem.free]),
     )
 
 

@@ -81,16 +81,25 @@ def better_curve(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
         if judged.physics == CURVE
         and judged.support is Support.SUPPORTED
         and judged.place in places
-        and judged.errors.chunks.size == last.errors.chunks.size
     ]
     if not curves:
         return None
     index, best = min(curves, key=lambda one: float(one[1].errors.chunks.sum()))
+    last = _dealt_like(last, best)
     left = float(last.errors.chunks.sum())
     times = left / max(float(best.errors.chunks.sum()), 1e-12 * left)
     if times < LEAVES_MORE or not clearly_better(best, last, rule):
         return None
     return BetterCurve(index, best, times, 1.0 - explained(rounds))
+
+
+def _dealt_like(judged: Judged, other: Judged) -> Judged:
+    """Return a candidate judged on as many chunks as another, to be compared."""
+    chunks = other.errors.chunks.size
+    if judged.errors.chunks.size == chunks:
+        return judged
+    errors = left_out_errors(judged.candidate.fitted, chunks)
+    return replace(judged, errors=replace(errors, noise=judged.errors.noise))
 
 
 def with_curve(

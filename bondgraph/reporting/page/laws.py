@@ -48,7 +48,9 @@ def law_picture(law: RecoveredLaw, findings: Sequence[Finding] = ()) -> LawPictu
         for words, css, x, y in drawn
         if np.isfinite(y).any()
     ]
-    curves = [Curve("recovered", "cloud", law.argument, law.value, dots=True)]
+    cloud = Curve("recovered", "cloud", law.argument, law.value, dots=True)
+    curves = [cloud] if law.argument.size else []
+    key = [("cloud", "recovered from the recordings")] if curves else []
     # The law found is drawn last, over the others.
     for words, css, x, y in reversed(lines):
         dots = not _is_a_function(y)
@@ -57,10 +59,7 @@ def law_picture(law: RecoveredLaw, findings: Sequence[Finding] = ()) -> LawPictu
     return LawPicture(
         law=law,
         chart=_chart(law, curves),
-        key=(
-            ("cloud", "recovered from the recordings"),
-            *((names[words], words) for words, *_ in lines),
-        ),
+        key=(*key, *((names[words], words) for words, *_ in lines)),
         headings=tuple(words for words, *_ in lines),
         rows=_rows(lines),
         later=_later(law, findings),
@@ -76,7 +75,7 @@ def _later(law: RecoveredLaw, findings: Sequence[Finding]) -> tuple[str, ...]:
 
 
 def _chart(law: RecoveredLaw, curves: list[Curve]) -> Chart:
-    found = [curve.name for curve in curves[1:]][::-1]
+    found = [curve.name for curve in curves if curve.name != "recovered"][::-1]
     told = f" and {', '.join(found)}." if found else "; no law was found."
     return chart(
         curves,
