@@ -47,7 +47,9 @@ def errors(*values):
 def candidate(physics="drag", place="body", complexity=1, extends=(), domain=""):
     domains = [SimpleNamespace(name=domain)] if domain else []
     return SimpleNamespace(
-        hypothesis=SimpleNamespace(physics=physics, place=place, extends=extends),
+        hypothesis=SimpleNamespace(
+            physics=physics, place=place, extends=extends, factor=1, depends_on=()
+        ),
         complexity=complexity,
         fitted=SimpleNamespace(graph=SimpleNamespace(domains_at=lambda _: domains)),
     )

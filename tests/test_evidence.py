@@ -362,10 +362,10 @@ def test_of_laws_that_predict_alike_the_plainest_is_told_at_its_best_place():
     order = RULE.order
     plain, odd = order[0], order[-2]
     assert order.index(plain) < order.index(odd)
-    told = judged(0.301, physics=plain, place="a")
-    best = judged(0.30, physics=odd)
+    told = judged(0.301, noise=0.0, physics=plain, place="a")
+    best = judged(0.30, noise=0.0, physics=odd)
     assert best_supported([best, told], RULE) is told
-    nearer = judged(0.3005, physics=plain, place="b")
+    nearer = judged(0.3005, noise=0.0, physics=plain, place="b")
     assert best_supported([best, told, nearer], RULE) is nearer
 
 
@@ -400,11 +400,26 @@ def test_clearly_better_is_material_and_significant():
 
 
 def test_alike_is_within_two_per_cent_or_an_error_either_way():
-    one = judged(0.300)
-    assert alike(one, judged(0.304, physics="spring"))
-    assert alike(judged(0.304, physics="spring"), one)
-    assert not alike(one, judged(0.32, physics="spring"))
-    assert not alike(judged(0.32, physics="spring"), one)
+    one = judged(0.300, noise=0.0)
+    near, far = (judged(left, noise=0.0, physics="spring") for left in (0.304, 0.32))
+    assert alike(one, near)
+    assert alike(near, one)
+    assert not alike(one, far)
+    assert not alike(far, one)
+
+
+def test_where_both_leave_little_but_noise_little_tells():
+    one, near = (judged(left, noise=0.9) for left in (0.300, 0.304))
+    assert not alike(one, near)
+    assert alike(one, judged(0.3004, noise=0.9))
+    nothing = leaving_nothing()
+    assert alike(nothing, nothing)
+
+
+def leaving_nothing():
+    gain = compare(BASE, BASE)
+    errors = LeftOutErrors(BASE.chunks, noise=float(BASE.chunks.sum()))
+    return Judged(candidate(), errors, gain, Support.SUPPORTED, "")
 
 
 def test_alternatives_are_supported_close_and_no_extensions():

@@ -270,9 +270,9 @@ def test_a_name_that_gives_just_the_share_of_a_curve_is_told():
 
 def test_of_alike_laws_as_simple_the_leading_one_decides_which_are_alike():
     order = RULE.order
-    leading = judged(0.300, physics=order[5])
-    near = judged(0.304, physics=order[4])
-    far = judged(0.3085, physics=order[3])
+    leading = judged(0.300, noise=0.0, physics=order[5])
+    near = judged(0.304, noise=0.0, physics=order[4])
+    far = judged(0.3085, noise=0.0, physics=order[3])
     assert alike(leading, near)
     assert alike(near, far)
     assert not alike(leading, far)
@@ -405,7 +405,9 @@ def fitted_with(residuals, cost, noise_unit=1.0):
 
 def proposal(residuals, cost, complexity=1):
     fitted = fitted_with(residuals, cost)
-    hypothesis = SimpleNamespace(physics="drag", place="body", extends=())
+    hypothesis = SimpleNamespace(
+        physics="drag", place="body", extends=(), factor=1, depends_on=("flow",)
+    )
     return SimpleNamespace(
         hypothesis=hypothesis, fitted=fitted, cost=cost, complexity=complexity
     )

@@ -242,7 +242,7 @@ def alike(one: Judged, other: Judged) -> bool:
     """
     difference = compare(other.errors, one.errors)
     whole = max(float(other.errors.chunks.sum()), 1e-300)
-    beyond = max(one.errors.beyond_noise, other.errors.beyond_noise) / whole
+    beyond = other.errors.beyond_noise / whole
     return abs(difference.value) <= max(ALIKE * beyond, difference.std)
 
 

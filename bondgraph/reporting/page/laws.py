@@ -11,6 +11,7 @@ from bondgraph.reporting.charts import Array, Chart, Curve, chart
 from bondgraph.reporting.wording import number_words, unit_words
 
 TABLE_ROWS = 9
+FOUND = "the law found"
 SMOOTH = 6  # times up and down through its range, and still a function
 
 
@@ -35,10 +36,15 @@ class LawPicture:
     rows: tuple[tuple[str, ...], ...]
     later: tuple[str, ...]
 
+    @property
+    def as_points(self) -> bool:
+        """Whether the law found reads other variables too, and is shown as points."""
+        return any(words == FOUND and css.endswith("dots") for css, words in self.key)
+
 
 def law_picture(law: RecoveredLaw, findings: Sequence[Finding] = ()) -> LawPicture:
     """Return everything the page shows of a recovered law, one of `findings`."""
-    drawn = [("the law found", "after", law.curve_argument, law.curve_value)]
+    drawn = [(FOUND, "after", law.curve_argument, law.curve_value)]
     drawn += [
         (f"{name_of(other.physics)} instead", f"rival{k}", other.argument, other.value)
         for k, other in enumerate(law.others)
@@ -84,7 +90,7 @@ def _chart(law: RecoveredLaw, curves: list[Curve]) -> Chart:
         f"{law.argument_name}: {len(law.argument)} points{told}",
         x_label=f"{law.argument_name} [{unit_words(law.argument_unit)}]",
         y_label=f"{law.value_name} [{unit_words(law.value_unit)}]",
-        frame=("recovered", "the law found"),
+        frame=("recovered", FOUND),
     )
 
 
