@@ -8,7 +8,7 @@ import pytest
 from bondgraph import BondGraph, I, R, Recording, Se, bind_to
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.candidates import Promised
+from bondgraph.diagnosis.search.candidates import CURVE, Promised
 from bondgraph.diagnosis.search.fits import (
     ShortFit,
     _from_relative,
@@ -85,6 +85,18 @@ def test_friction_that_holds_is_sharpened_until_it_does(bench):
     assert sharp.fitted.optimum.cost < 0.9 * smooth.fitted.optimum.cost
     assert sharp.hypothesis.told_by == smooth.hypothesis.told_by
     assert sharp.fitted.values["coulomb_cart"] == pytest.approx(DRY, rel=0.01)
+
+
+def test_a_curve_that_leads_by_its_freedom_keeps_no_law_from_being_sharpened(bench):
+    (dry,) = proposed(bench, CoulombFriction())
+    trial = Trial(dry)
+    (smooth,) = bench.candidates([trial], bench.run(fit_fully, [trial], "fits"))
+    # So little is left of it that no sharper edge tells anything.
+    least = replace(smooth.fitted.optimum, cost=1e-6 * smooth.cost)
+    fitted = replace(smooth.fitted, optimum=least)
+    curve = replace(smooth, hypothesis=replace(dry, physics=CURVE), fitted=fitted)
+    _, sharp = sharpened(bench, [curve, smooth])
+    assert width_of(sharp) < width_of(smooth) / 5
 
 
 def test_what_has_no_edge_is_left_as_it_is(bench):

@@ -69,12 +69,9 @@ def fit_options(*, window: str, either: bool = False) -> Callable[[F], F]:
             type=OneOf(holds),
             default="auto" if either else "first",
             show_default=True,
-            help="Inputs between samples: held (zero), straight lines (first)"
-            + (
-                ", or as fits the model better (auto)."
-                if either
-                else ". A command that goes in steps is held."
-            ),
+            help="Inputs between samples: held, as commands in steps are (zero), "
+            "straight lines (first)"
+            + (", or as fits the model better (auto)." if either else "."),
         )(with_settings)
         return click.option(  # type: ignore[return-value]
             "--window",

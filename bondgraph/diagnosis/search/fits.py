@@ -39,9 +39,6 @@ ON_THE_WAY = 0.4
 BEGUN_AGAIN = 2
 """Laws that a fit has let go of are begun again with an effect, at most so many."""
 
-CURVES = 3
-"""Of free curves so many of the best are kept: they would take the places of laws."""
-
 WIDER = 4
 """Laws that contain the leading one are tried from its optimum, at most so many."""
 
@@ -146,11 +143,9 @@ def _kept(reached: Sequence[ShortFit], keep: float, most: int) -> list[ShortFit]
     """
     there = [one for one in reached if one.is_there]
     best, lead = _best(there), _best([one for one in there if one.is_named])
-    worth = [
+    leading = [
         one for one in there if one.reduction >= keep * (lead if one.is_named else best)
-    ]
-    drawn = [one for one in worth if not one.is_named][CURVES:]
-    leading = [one for one in worth if one not in drawn][:most]
+    ][:most]
     leading += [one for one in reached if not one.is_there][:BEGUN_AGAIN]
     narrower = [
         one

@@ -8,7 +8,7 @@ steep slope there (hysteresis, Stribeck) would win by it.
 from collections.abc import Sequence
 
 from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.candidates import Candidate
+from bondgraph.diagnosis.search.candidates import CURVE, Candidate
 from bondgraph.diagnosis.search.trying import Start, Trial, fit_on
 
 SHARPER = (10.0, 100.0)
@@ -21,13 +21,13 @@ TELLS = 0.99
 def sharpened(bench: Bench, candidates: Sequence[Candidate]) -> list[Candidate]:
     """Return the candidates, their smooth edges sharpened as far as that tells.
 
-    The leading one goes first: where a sharper edge tells nothing of it, it is not
-    tried of the others.
+    The leading law goes first: where a sharper edge tells nothing of it, it is not
+    tried of the others. A curve without a name leads by its freedom, and goes last.
     """
     told = list(candidates)
     smooth = [i for i, own in enumerate(told) if own.hypothesis.smoothing]
     for times in SHARPER:
-        smooth.sort(key=lambda i: told[i].cost)
+        smooth.sort(key=lambda i: (told[i].hypothesis.physics == CURVE, told[i].cost))
         better = _tried(bench, candidates, told, smooth[:1], times)
         if better:
             better += _tried(bench, candidates, told, smooth[1:], times)
