@@ -4,17 +4,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from judged_candidates import judged
 from rubbing_slider import proposed, slider
 
 from bondgraph import Recording, bind_to, diagnose
 from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.evidence.judging import Verdicts, judge_all
 from bondgraph.diagnosis.records import Verdict
+from bondgraph.diagnosis.search import curve_beside
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import CURVE, Candidate
+from bondgraph.diagnosis.search.curve_beside import better_curve
 from bondgraph.diagnosis.search.curve_from_law import with_curve_drawn
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model
@@ -77,6 +81,43 @@ def test_what_named_laws_explain_needs_no_curve(drag):
     }
     assert "comes near" not in " ".join(one.statement for one in found.findings)
     assert all(one.probability > 0.7 for one in found.findings)
+
+
+def rounds_of(first, curve, second):
+    """Return two rounds; the curve was judged in the first and not chosen."""
+    return [
+        Round(None, judged=(first, curve), chosen=first),
+        Round(None, judged=(second,), chosen=second),
+    ]
+
+
+def test_a_curve_found_elsewhere_does_not_hide_a_better_one():
+    first = judged(0.15, physics="dead_zone", place="pump")
+    curve = judged(0.01, physics=CURVE, place="pump", complexity=6)
+    elsewhere = judged(0.1, physics=CURVE, place="pipe", complexity=8)
+    better = better_curve(rounds_of(first, curve, elsewhere), Rule())
+    assert better.curve is curve
+    assert better.times == pytest.approx(10.0, rel=0.05)
+    there = judged(0.1, physics=CURVE, place="pump", complexity=8)
+    assert better_curve(rounds_of(first, curve, there), Rule()) is None
+
+
+def test_a_curve_is_compared_however_the_data_were_dealt_later(monkeypatch):
+    first = judged(0.15, physics="dead_zone", place="pump")
+    curve = judged(0.01, physics=CURVE, place="pump", complexity=6)
+    last = judged(0.1, physics="drag", place="pipe")
+    halved = last.errors.chunks.reshape(-1, 2).sum(axis=1)
+    later = replace(last, errors=replace(last.errors, chunks=halved))
+    asked = []
+
+    def dealt(fitted, chunks):
+        asked.append(chunks)
+        return last.errors
+
+    monkeypatch.setattr(curve_beside, "left_out_errors", dealt)
+    better = better_curve(rounds_of(first, curve, later), Rule())
+    assert asked == [curve.errors.chunks.size]
+    assert better.times == pytest.approx(10.0, rel=0.05)
 
 
 def test_a_curve_begins_as_the_best_law_of_its_own_variable():
