@@ -11,11 +11,11 @@ from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import CURVE, Promised
 from bondgraph.diagnosis.search.fits import (
     ShortFit,
-    _from_relative,
     _from_what_they_contain,
     _kept,
     fit_best,
 )
+from bondgraph.diagnosis.search.relatives import from_relative
 from bondgraph.diagnosis.search.sharper import sharpened
 from bondgraph.diagnosis.search.trying import Trial, fit_fully
 from bondgraph.diagnosis.work.journal import Journal
@@ -139,12 +139,12 @@ def test_a_wider_law_is_tried_from_the_one_it_contains_without_its_additions(ben
         for hypothesis in proposed(bench, physics)
     ]
     narrow, wide = bench.candidates(trials, bench.run(fit_fully, trials, "fits"))
-    own, none = _from_relative(wide, narrow)
+    own, none = from_relative(wide, narrow)
     coulomb, rise = narrow.fitted.values["coulomb_cart"], "stribeck_rise_cart"
     assert own.values["coulomb_cart"] == none.values["coulomb_cart"] == coulomb
     assert own.values[rise] == wide.fitted.values[rise] != 0.0
     assert none.values[rise] == 0.0
-    assert len(_from_relative(narrow, wide)) == 1
+    assert len(from_relative(narrow, wide)) == 1
 
 
 def test_a_short_fit_of_a_wider_law_begins_where_a_narrower_one_has_ended(bench):

@@ -26,7 +26,8 @@ from bondgraph.diagnosis.search.trying import Start, Trial, errors_left_out
 
 Array = NDArray[np.float64]
 LOST_FROM_THE_START = (
-    "whole recordings, simulated from a state that their first part tells, are lost"
+    "whole recordings, or long stretches of them, simulated from one initial state, "
+    "are lost"
 )
 TWINS = 1e-3
 """Candidates whose residuals differ by less than this share predict the same."""

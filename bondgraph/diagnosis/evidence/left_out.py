@@ -61,12 +61,15 @@ def chunk_count(fitted: FittedModel) -> int:
 
     Windows are independent: their initial states are their own. Within a window a chunk
     must be several correlation times long, or what is left out is known from its
-    neighbours and errors are counted as independent that are not.
+    neighbours and errors are counted as independent that are not. So are the rows of a
+    steady table, each a point of operation of its own.
     """
     residuals = fitted.optimum.linearisation.residuals
     windows = fitted.problem.shots.n_windows
     if windows >= MOST_CHUNKS:
         return MOST_CHUNKS
+    if windows == len(residuals):
+        return max(LEAST_CHUNKS, windows)
     longest = max(correlation_time(column) for column in residuals.T)
     independent = len(residuals) // (APART * longest)
     return max(LEAST_CHUNKS, min(independent, MOST_CHUNKS))
@@ -75,10 +78,14 @@ def chunk_count(fitted: FittedModel) -> int:
 def chunk_labels(problem: FitProblem, chunks: int) -> NDArray[np.int64]:
     """Return for each sample the number of its chunk.
 
-    Where there are many windows a chunk is a run of whole windows.
+    Where there are many windows a chunk is a run of whole windows. Rows of a table are
+    dealt in turn: it is mostly sorted, and what happens at one end would be left out
+    whole.
     """
     shots = problem.shots
     n = len(shots.time)
+    if shots.n_windows == n:
+        return np.arange(n, dtype=np.int64) % chunks
     if shots.n_windows >= chunks:
         sizes = [part.stop - part.start for part in shots.slices]
         of_window = np.arange(shots.n_windows) * chunks // shots.n_windows

@@ -3,21 +3,20 @@
 Over short windows, each with its own initial state, a state that a hypothesis adds can
 take any value anew: that explains slow disturbances of any kind. Physics with a memory
 must explain a whole recording from one initial state, no worse than physics without,
-and visibly better than the model as it was.
+and visibly better than the model as it was. A machine that is free to turn drifts off
+over a whole recording whatever is added: there stretches of several windows speak.
 """
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from bondgraph.diagnosis.answer.showing import simulate_whole
 from bondgraph.diagnosis.search.candidates import Candidate, Rejected
+from bondgraph.diagnosis.search.stretches import long_error, stretch
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
 
 REASON = (
-    "what it remembers had to be set anew in every window; whole recordings are "
-    "explained better without it"
+    "what it remembers had to be set anew in every window; whole recordings, or long "
+    "stretches of them, are explained better without it"
 )
 
 SHOWS = 0.95
@@ -46,13 +45,14 @@ def remembering(
     whole = base.problem.shots.n_windows <= len(recordings)
     if whole or len(plain) == len(candidates):
         return list(candidates), ()
-    known = SHOWS**0.5 * _whole_error(base, recordings)
-    best = min([known, *(_whole_error(fitted, recordings) for fitted in plain)])
+    samples = stretch(base, recordings)
+    known = SHOWS**0.5 * long_error(base, recordings, samples)
+    best = min([known, *(long_error(fitted, recordings, samples) for fitted in plain)])
     kept: list[Candidate] = []
     others: list[Rejected] = []
     for candidate in candidates:
         remembers = _remembers(base, candidate)
-        if remembers and not _whole_error(candidate.fitted, recordings) < best:
+        if remembers and not long_error(candidate.fitted, recordings, samples) < best:
             others.append(Rejected(candidate.hypothesis, REASON))
         else:
             kept.append(candidate)
@@ -62,10 +62,3 @@ def remembering(
 def _remembers(base: FittedModel, candidate: Candidate) -> bool:
     """Return whether a hypothesis adds a state."""
     return candidate.fitted.problem.model.n_states > base.problem.model.n_states
-
-
-def _whole_error(fitted: FittedModel, recordings: Sequence[BoundRecording]) -> float:
-    """Return the error over whole recordings; infinite where that means nothing."""
-    simulated = simulate_whole(fitted, recordings)
-    error = simulated.score.nrmse
-    return error if simulated.whole and np.isfinite(error) else np.inf

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from bondgraph.diagnosis.answer.showing import simulate_whole
 from bondgraph.diagnosis.search.candidates import Candidate, Rejected
 from bondgraph.diagnosis.search.determined import determined
 from bondgraph.diagnosis.search.memory import remembering
+from bondgraph.diagnosis.search.stretches import long_error, stretch
 from bondgraph.diagnosis.search.vanished import without_vanished
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
@@ -31,9 +31,7 @@ def worth_judging(
 def holds_for_whole(
     base: FittedModel, candidate: Candidate, recordings: Sequence[BoundRecording]
 ) -> bool:
-    """Return whether whole recordings are simulated about as well as before."""
-    before, after = (
-        simulate_whole(fitted, recordings).score.nrmse
-        for fitted in (base, candidate.fitted)
-    )
-    return not after > RUINED * before
+    """Return whether whole recordings, or stretches, do about as well as before."""
+    samples = stretch(base, recordings)
+    before = long_error(base, recordings, samples)
+    return not long_error(candidate.fitted, recordings, samples) > RUINED * before
