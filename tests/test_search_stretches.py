@@ -84,3 +84,16 @@ def test_a_law_that_ruins_stretches_is_lost_and_one_that_does_not_holds(free):
     assert long_error(far.fitted, recordings, samples) > RUINED * known
     assert holds_for_whole(fitted, near, recordings)
     assert not holds_for_whole(fitted, far, recordings)
+
+
+def test_a_model_without_states_has_nothing_to_drift_off():
+    g = BondGraph("damper", domain="translation")
+    g.one("rod", Se("force"), R("viscous"))
+    g.measure("speed", flow="rod")
+    g.parameter("viscous", 2.0, "N*s/m", bounds=(0.1, 50))
+    graph = g.finish()
+    force = np.sin(0.1 * np.arange(400))
+    channels = {"force": (force, "N"), "speed": (force / 2.0, "m/s")}
+    run = Recording.from_arrays("run", STEP * np.arange(400), channels)
+    bound = [bind_to(graph, run)]
+    assert stretch(fit_model(graph, bound, FitSettings()), bound) is None

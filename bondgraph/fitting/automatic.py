@@ -107,8 +107,10 @@ def accumulates(
     """Return whether the effect of an initial state on the outputs does not fade.
 
     True for integrators and unstable plants, judged by the sensitivity of the outputs
-    to the initial state over the longest recording.
+    to the initial state over the longest recording. A model without states has none.
     """
+    if model.n_states == 0:
+        return False
     size = _effects(graph, model, max(recordings, key=len), settings)
     if not np.isfinite(size).all():
         return True
