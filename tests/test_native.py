@@ -241,6 +241,28 @@ def test_the_explicit_method_has_order_four_between_samples():
     assert np.log2(errors[1] / errors[2]) == pytest.approx(4, abs=0.5)
 
 
+@pytest.mark.parametrize("solver", [RungeKutta4(), Sdirk2()], ids=str)
+def test_sensitivities_to_nothing_have_no_columns(solver):
+    """Once a call of a function that was not there: the process ended."""
+    model, values, shots, initial = posed(pendulum)
+    shot, alone = (
+        shoot(
+            model,
+            shots,
+            parameters=values,
+            initial=initial,
+            directions=directions,
+            solver=solver,
+            hold=Hold.FIRST,
+            engine=Native(),
+            of_initial=False,
+        )
+        for directions in (np.zeros(0, np.int64), None)
+    )
+    assert shot.sensitivities.shape == (*alone.outputs.shape, 0)
+    np.testing.assert_array_equal(shot.outputs, alone.outputs)
+
+
 @pytest.mark.parametrize("hold", Hold)
 @pytest.mark.parametrize("make", [pendulum, warming], ids=lambda m: m.__name__)
 def test_explicit_sensitivities_are_those_of_the_discrete_solution(make, hold):

@@ -58,7 +58,7 @@ def automatic_horizon(
     grows once what the model leaves out accumulates.
     """
     whole = WholeRecordings()
-    if model.n_states == 0 or not accumulates(graph, model, recordings, settings):
+    if not accumulates(graph, model, recordings, settings):
         return whole, None
     problem = pose(graph, model, cut(recordings, whole), settings)
     longest = max(int(size) for size in np.diff(problem.shots.edges))
@@ -107,10 +107,8 @@ def accumulates(
     """Return whether the effect of an initial state on the outputs does not fade.
 
     True for integrators and unstable plants, judged by the sensitivity of the outputs
-    to the initial state over the longest recording. A model without states has none.
+    to the initial state over the longest recording.
     """
-    if model.n_states == 0:
-        return False
     size = _effects(graph, model, max(recordings, key=len), settings)
     if not np.isfinite(size).all():
         return True
@@ -132,8 +130,6 @@ def grows(
     True for unstable plants and for what integrates twice: there the least disturbance
     is more than anything else in the end.
     """
-    if model.n_states == 0:
-        return False
     size = _effects(graph, model, max(recordings, key=len), settings)
     if not np.isfinite(size).all():
         return True
@@ -175,9 +171,11 @@ def _effects(
 ) -> Array:
     """Return the largest effect of each initial state on an output, sample by sample.
 
-    A machine with dry friction is judged where it moves: what sticks keeps its state
-    for ever.
+    Shape (samples, states). A machine with dry friction is judged where it moves: what
+    sticks keeps its state for ever.
     """
+    if model.n_states == 0:
+        return np.zeros((len(recording), 0))
     shots = cut([recording], WholeRecordings())
     problem = pose(graph, model, shots, settings)
     initial = np.zeros((shots.n_windows, model.n_states))

@@ -1,7 +1,7 @@
 """Windows simulated in native code: arrays in, arrays out, on two threads."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,17 +68,20 @@ def run_native(
     """
     from bondgraph.numeric.native.model import native_model  # noqa: PLC0415  (LLVM)
 
+    n, nx, ny = len(windows.time), model.n_states, len(model.output_names)
+    if directions is not None and not len(directions) + (nx if of_initial else 0):
+        # Code made to follow derivatives has no plain values to call for none of them.
+        run = run_native(model, windows, parameters, None, solver, zero_hold=zero_hold)
+        return replace(run, sensitivities=np.zeros((n, ny, 0)))
     explicit = isinstance(solver, RungeKutta4)
     if explicit:
         model = stepped_explicitly(model)
-    n = len(windows.time)
     native = native_model(
         model,
         along=None if directions is None else set(directions.tolist()),
         explicit=explicit,
         optimised=n > WORTH_OPTIMISING,
     )
-    nx, ny = model.n_states, len(model.output_names)
     wanted = np.zeros(0, np.int64) if directions is None else directions
     rows = 0 if directions is None else n
     run = NativeRun(

@@ -52,7 +52,7 @@ def search_settings(
         return settings
     model = prepare(graph)
     horizon: Horizon = WholeRecordings()
-    if model.n_states and accumulates(graph, model, recordings, settings):
+    if accumulates(graph, model, recordings, settings):
         samples = sum(len(recording) for recording in recordings) // MOST_CHUNKS
         samples = max(samples, SHORTEST)
         horizon = Windows(remembered(graph, model, recordings, settings, samples))

@@ -16,6 +16,8 @@ from bondgraph.diagnosis.search.vanished import begun_again
 from bondgraph.physics.hypothesis import Hypothesis
 
 RELATIVE_BETTER = 0.99
+"""A relative that costs less than this share is a better start."""
+
 WIDER = 4
 """Laws that contain the leading one are tried from its optimum, at most so many."""
 

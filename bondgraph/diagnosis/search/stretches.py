@@ -32,7 +32,7 @@ def long_error(
 ) -> float:
     """Return the error (nrmse) over stretches of so many samples, or over recordings.
 
-    Infinite where whole recordings cannot be simulated.
+    Infinite where these cannot be simulated.
     """
     if samples is None:
         simulated = simulate_whole(fitted, recordings)
