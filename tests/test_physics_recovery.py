@@ -74,7 +74,7 @@ CASES = [
         "wheel",
         "DirectionDependentFriction",
         "shaft",
-        {"coulomb_forward": 0.25, "coulomb_backward": 0.15},
+        {"coulomb": 0.2, "asymmetry": 0.25},
     ),
     Case(
         "wheel",

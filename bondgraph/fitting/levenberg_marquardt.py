@@ -92,7 +92,7 @@ def settle(
         old = np.where(better, best.cost, 0.0)
         gained = np.where(better, old - np.where(better, new.cost, 0.0), 0.0)
         initial = np.where(better[:, None], trial, initial)
-        best = _choose(problem, better, new, best)
+        best = by_window(problem, better, new, best)
         damping = np.where(better, damping / 10, damping * 100)
         active &= (gained > SETTLED * best.cost) | (~better & (damping < 1e2))
         if not active.any():
@@ -106,13 +106,19 @@ def _effects(at: Linearisation, nq: int) -> Array:
     return effects
 
 
-def _choose(
+def by_window(
     problem: FitProblem,
     take: NDArray[np.bool_],
     new: Linearisation,
     old: Linearisation,
 ) -> Linearisation:
-    """Return, window by window, the new linearisation where `take`, else the old."""
+    """Return, window by window, the new linearisation where `take`, else the old.
+
+    Parameters
+    ----------
+    take
+        Whether to take the new one, (n_windows,).
+    """
     rows = np.repeat(take, np.diff(problem.shots.edges))
     return Linearisation(
         np.where(rows[:, None], new.residuals, old.residuals),

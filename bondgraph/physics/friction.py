@@ -116,20 +116,21 @@ class DirectionDependentFriction(AbstractPhysics):
         if place.has_free_bias:
             return
         sizes = (0.0, 0.3 * place.effort)
-        ahead = place.strength("coulomb_forward", place.unit(E), sizes, low=0.0)
-        back = place.strength("coulomb_backward", place.unit(E), sizes, low=0.0)
+        c = place.strength("coulomb", place.unit(E), sizes, low=0.0)
+        # A share: bounds keep it passive, and at zero it is Coulomb friction.
+        share = place.strength("asymmetry", "1", (0.0, 0.0), low=-1.0, high=1.0)
         sign, width = direction(place)
-        law = ahead.symbol * sympy.Max(sign, 0) + back.symbol * sympy.Min(sign, 0)
+        law = c.symbol * (sign + share.symbol * sympy.Abs(sign))
         element = Resistance(place.name_of(self.word), law=law)
         words = (
-            f"{place.a(E)} against the motion, larger in one direction "
-            "than in the other"
+            f"{place.a(E)} against the motion, larger ahead by a share (asymmetry) "
+            "of its mean size, smaller back"
         )
         yield self.hypothesis(
             place,
-            place.insert(element, ahead, back, width),
+            place.insert(element, c, share, width),
             law,
-            (ahead, back, width),
+            (c, share, width),
             words,
             extends=("coulomb_friction",),
         )

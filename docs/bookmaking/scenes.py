@@ -158,7 +158,7 @@ SCENES: Mapping[str, Scene] = {
         seconds=14.0,
     ),
     "DirectionDependentFriction": Scene(
-        **_PUSHED, values={"coulomb_forward": 4.0, "coulomb_backward": 1.5}
+        **_PUSHED, values={"coulomb": 2.75, "asymmetry": 0.455}
     ),
     "StribeckFriction": Scene(
         **_CART,

@@ -1,8 +1,7 @@
-"""To show, not to choose: whole-recording simulations, traces and the recovered law."""
+"""To show, not to choose: traces and the recovered law."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import product
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,14 +16,11 @@ from bondgraph.diagnosis.answer.drawn_laws import (
 from bondgraph.diagnosis.probing import common_signal, recover
 from bondgraph.diagnosis.records import RecoveredLaw, Trace
 from bondgraph.diagnosis.search.candidates import Candidate
-from bondgraph.fitting.estimate import FittedModel, first_guess, pose, score
-from bondgraph.fitting.horizon import Horizon, WholeRecordings, Windows, cut
-from bondgraph.fitting.levenberg_marquardt import settle
-from bondgraph.fitting.problem import FitProblem, Linearisation
-from bondgraph.fitting.result import Score
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.fitting.horizon import Windows
+from bondgraph.fitting.long_runs import simulate_whole
 from bondgraph.physics.hypothesis import Hypothesis, Shape
 from bondgraph.recordings.binding import BoundRecording
-from bondgraph.simulation.solvers import implicit
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.edits import InsertElement
 from bondgraph.structure.elements import OneJunction
@@ -34,87 +30,6 @@ Array = NDArray[np.float64]
 CLOUD_POINTS = 200
 FACTOR = "factor"
 """Read beside the local variables: what multiplies a curve."""
-FINER = (1, 4, 16)
-"""How many times finer the steps are, in turn, until a simulation ends."""
-
-
-@dataclass(frozen=True, slots=True)
-class WholeSimulation:
-    """A model run through recordings, each from one estimated initial state.
-
-    ``outputs`` is (n, ny) over all samples kept; ``whole`` is False where the model is
-    so unstable that windows were used instead.
-    """
-
-    score: Score
-    time: Array
-    measured: Array
-    outputs: Array
-    edges: tuple[int, ...]
-    whole: bool
-
-
-def simulate_whole(
-    fitted: FittedModel, recordings: Sequence[BoundRecording]
-) -> WholeSimulation:
-    """Simulate whole recordings with the fitted parameters.
-
-    Where a step fails, with finer ones, and implicit ones at last: another recording
-    may be rougher.
-    """
-    own = fitted.problem.solver
-    stable = () if implicit(own) == own else (implicit(own),)
-    for solver, finer in product((own, *stable), FINER):
-        steps = replace(solver, substeps=finer * solver.substeps)
-        problem = replace(fitted.problem, solver=steps)
-        stepped = replace(fitted, problem=problem)
-        simulated = _simulate(stepped, recordings, WholeRecordings())
-        if np.isfinite(simulated.outputs[np.isfinite(simulated.measured)]).all():
-            return simulated
-    return replace(_simulate(fitted, recordings, fitted.horizon), whole=False)
-
-
-def simulate_stretches(
-    fitted: FittedModel, recordings: Sequence[BoundRecording], samples: int
-) -> WholeSimulation:
-    """Simulate stretches of so many samples, each from one estimated initial state."""
-    return _simulate(fitted, recordings, Windows(samples))
-
-
-def _settled(problem: FitProblem, theta: Array, usual: Array) -> Linearisation:
-    """Return the residuals with initial states settled in every window.
-
-    Where what the first samples suggest runs away, from rest or from what is usual.
-    """
-    states, at = settle(problem, theta, first_guess(problem, theta), iterations=25)
-    for other in (np.zeros(len(usual)), usual):
-        lost = ~np.isfinite(at.cost)
-        if not lost.any():
-            break
-        begin = np.where(lost[:, None], other, states)
-        states, at = settle(problem, theta, begin, iterations=25)
-    return at
-
-
-def _simulate(
-    fitted: FittedModel, recordings: Sequence[BoundRecording], horizon: Horizon
-) -> WholeSimulation:
-    shots = cut(recordings, horizon)
-    old = fitted.problem
-    problem = pose(fitted.graph, old.model, shots, fitted.settings, old.sigma)
-    problem = replace(problem, start=fitted.parameters)
-    theta = problem.start[problem.free]
-    at = _settled(problem, theta, np.median(fitted.optimum.initial, axis=0))
-    residuals = at.residuals * old.sigma
-    residuals = np.where(np.isfinite(shots.outputs), residuals, np.nan)
-    return WholeSimulation(
-        score=score(old.model, shots, residuals),
-        time=shots.time,
-        measured=shots.outputs,
-        outputs=shots.outputs - residuals,
-        edges=shots.edges,
-        whole=True,
-    )
 
 
 def traces(

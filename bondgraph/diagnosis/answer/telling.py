@@ -13,12 +13,7 @@ from bondgraph.diagnosis.answer.leftover import noise_floor
 from bondgraph.diagnosis.answer.look_alikes import look_alikes
 from bondgraph.diagnosis.answer.notes import notes_on, provenance
 from bondgraph.diagnosis.answer.separating import designed, left_close
-from bondgraph.diagnosis.answer.showing import (
-    recovered_law,
-    simulate_stretches,
-    simulate_whole,
-    traces,
-)
+from bondgraph.diagnosis.answer.showing import recovered_law, traces
 from bondgraph.diagnosis.answer.stated import at_bounds, contradicted
 from bondgraph.diagnosis.answer.untried import untried
 from bondgraph.diagnosis.answer.wording import next_experiment
@@ -30,6 +25,7 @@ from bondgraph.diagnosis.search.horizons import refitted
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.round_found import Round, accepted
 from bondgraph.fitting.estimate import FittedModel, report
+from bondgraph.fitting.long_runs import simulate_stretches, simulate_whole
 from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph

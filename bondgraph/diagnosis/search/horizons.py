@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from bondgraph.diagnosis.answer.showing import simulate_whole
 from bondgraph.diagnosis.evidence.left_out import MOST_CHUNKS
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.fitting.automatic import remembered
@@ -30,6 +29,7 @@ from bondgraph.fitting.horizon import (
     cut,
 )
 from bondgraph.fitting.levenberg_marquardt import minimise, settle
+from bondgraph.fitting.long_runs import simulate_whole
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
 

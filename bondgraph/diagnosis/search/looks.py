@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from bondgraph.diagnosis.answer.doubt import MUCH_REMAINING, remaining
 from bondgraph.diagnosis.answer.leftover import noise_floor, too_large
-from bondgraph.diagnosis.answer.showing import simulate_whole
 from bondgraph.diagnosis.search.beginnings import Known
 from bondgraph.diagnosis.search.beyond_noise import within
 from bondgraph.diagnosis.search.candidates import CURVE
@@ -29,6 +28,7 @@ from bondgraph.diagnosis.search.rounds import search
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.automatic import grows
 from bondgraph.fitting.estimate import FittedModel
+from bondgraph.fitting.long_runs import simulate_whole
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from bondgraph.diagnosis.evidence.addition import added_strengths, seen_again
 from bondgraph.diagnosis.evidence.decision import Judged, Rule
+from bondgraph.diagnosis.evidence.judging import LOST_FROM_THE_START
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.horizons import sharpened
 from bondgraph.diagnosis.search.options import Options
@@ -81,14 +82,18 @@ def _parameters(rounds: Sequence[Round]) -> set[str]:
 
 
 def _narrower(found: Round) -> Judged | None:
-    """Return the narrowest law, not refuted, that the chosen one is or contains."""
+    """Return the narrowest law, not refuted, that the chosen one is or contains.
+
+    One that only lost long stretches did so beside laws that may have been taken out
+    since: it is not refuted here, the final fit decides.
+    """
     chosen = found.chosen
     if chosen is None:
         return None
     contained = [
         j
         for j in found.judged
-        if j.support is not Support.REFUTED
+        if (j.support is not Support.REFUTED or j.reason == LOST_FROM_THE_START)
         and j.gain.value > 0.0
         and chosen.candidate.hypothesis.contains(j.candidate.hypothesis)
         and added_strengths(chosen, j)

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bondgraph.diagnosis.answer.showing import simulate_stretches, simulate_whole
 from bondgraph.fitting.automatic import accumulates
 from bondgraph.fitting.estimate import FittedModel
+from bondgraph.fitting.long_runs import simulate_stretches, simulate_whole
 from bondgraph.recordings.binding import BoundRecording
 
 WINDOWS = 8
