@@ -202,6 +202,10 @@ def test_white_errors_surprise_by_their_size_and_coloured_ones_by_their_steps():
     assert (white[:5] == 0).all()
     parts = surprise(steps[:, None], [slice(0, 9_000), slice(9_000, 20_000)], 1)
     assert (parts[9_000:9_005] == 0).all()
+    # Rows of a table, each a window of its own, need no past: all are scored.
+    rows = [slice(i, i + 1) for i in range(len(steps))]
+    assert surprise(steps[:, None], rows, 1).mean() == pytest.approx(expected, abs=0.02)
+    assert (surprise(steps[:20, None], rows[:20], 1) != 0.0).all()
     assert (surprise(np.full((30, 1), np.nan), [slice(0, 30)], 1) == LOST).all()
     assert (surprise(np.zeros((30, 1)), [slice(0, 30)], 1) == 0).all()
 

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from handmade_diagnosis import cart_diagnosis
+from judged_candidates import judged
 
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
 from bondgraph.diagnosis.answer.doubt import doubted
@@ -18,7 +19,7 @@ from bondgraph.diagnosis.answer.verdict import (
     worse_held_out,
 )
 from bondgraph.diagnosis.answer.wording import next_experiment
-from bondgraph.diagnosis.records import Verdict
+from bondgraph.diagnosis.records import Support, Verdict
 from bondgraph.diagnosis.search.candidates import CURVE, Rejected
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.round_found import Round
@@ -151,6 +152,21 @@ def test_what_follows_the_machine_is_not_nothing_however_near_the_noise(share, v
     assert untried is Verdict.ADEQUATE
     follows = "follows flow at wall (35 % of it), and none of the 30" in statement
     assert follows == (verdict is Verdict.CANNOT_TELL)
+
+
+def test_a_law_that_came_short_only_by_the_number_tried_is_not_nothing():
+    noise = _checked(AdequacyStatus.ADEQUATE)
+    base = _leaving(1.0)
+    few = SimpleNamespace(value=0.7, std=0.12, p_value=0.002)
+    near = replace(judged(0.3, Support.UNDECIDED, physics="overflow"), gain=few)
+    seen = Round(None, tried=40, independent=12.0, judged=(near,))
+    answer, statement = verdict_of([], base, {"x": 1.0}, seen, 1.0, noise)
+    assert answer is Verdict.CANNOT_TELL
+    assert "too few to decide: overflow at body would help" in statement
+    by_chance = replace(near, gain=SimpleNamespace(value=0.7, std=0.4, p_value=0.05))
+    seen = replace(seen, judged=(by_chance,))
+    answer, _ = verdict_of([], base, {"x": 1.0}, seen, 1.0, noise)
+    assert answer is Verdict.ADEQUATE
 
 
 def _errors(before, after):

@@ -50,6 +50,8 @@ ENCODER = Sensor(
 )
 GAUGE = Sensor(name="torque", unit="N*m", noise=0.05, step=60.0 / 2**12)
 """The torque sensor between worm gear and joint (section 2.1.3); noise chosen."""
+LINK_GAUGE = Sensor(name="link", unit="N*m", noise=0.05, step=60.0 / 2**12)
+"""The strain gauges of the flexible link, read as the torque in it; noise chosen."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,6 +70,9 @@ class Joint:
         N·m of weight that the worm carries.
     tendons
         Whether the worm moves the joint through tendons.
+    strained
+        Whether strain gauges sit on what the joint carries: on the flexible link,
+        which in the printed models of flight is one with the joint.
     """
 
     model: str
@@ -75,6 +80,7 @@ class Joint:
     behind: float
     load: float
     tendons: bool
+    strained: bool = False
 
 
 JOINTS = (
@@ -83,7 +89,7 @@ JOINTS = (
     Joint(model="upperleg_flight", inertia=0.1411 - LINK_INERTIA, behind=LINK_INERTIA,
           load=3.012, tendons=False),
     Joint(model="lowerleg_stance", inertia=0.0126, behind=9.39 * LENGTH**2,
-          load=16.77, tendons=True),
+          load=16.77, tendons=True, strained=True),
     Joint(model="upperleg_stance", inertia=0.1411, behind=8.53 * LENGTH**2,
           load=18.09, tendons=False),
 )  # fmt: skip
@@ -133,7 +139,7 @@ def machine(joint: Joint, concealed: Concealed, *, gauged: bool = False) -> Mach
         *_padded(inertias, MOST),
         *_padded(springs, MOST - 1),
         *_padded(dampers, MOST - 1),
-        *(VISCOUS, float(tendons), behind, joint.load, CUT_OFF),
+        *(VISCOUS, float(tendons), behind, joint.load, CUT_OFF, joint.inertia),
     )
     return Machine(
         name=joint.model,
@@ -146,7 +152,7 @@ def machine(joint: Joint, concealed: Concealed, *, gauged: bool = False) -> Mach
         numbers=tuple(Number(name=str(i), value=x) for i, x in enumerate(numbers)),
         places=(Place(name="worm", row=(WORM, *(0.0 for _ in inertias[1:]))),),
         inputs=(("T_motor", "N*m"),),
-        sensors=(ENCODER, GAUGE) if gauged else (ENCODER,),
+        sensors=sensors(joint) if gauged else (ENCODER,),
         drive=Drive(
             size=1.0,
             band=(0.3, 8.0),
@@ -160,6 +166,11 @@ def machine(joint: Joint, concealed: Concealed, *, gauged: bool = False) -> Mach
         model="",
         sites=(),
     )
+
+
+def sensors(joint: Joint) -> tuple[Sensor, ...]:
+    """Return all sensors of the leg that a printed model has a place for."""
+    return (ENCODER, GAUGE, LINK_GAUGE) if joint.strained else (ENCODER, GAUGE)
 
 
 def effects(concealed: Concealed) -> tuple[Effect, ...]:

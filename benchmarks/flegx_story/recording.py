@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.concealed.excitation import excitation
-from benchmarks.concealed.machine import Machine
+from benchmarks.concealed.machine import Machine, Sensor
 from benchmarks.concealed.recording import Plan, Run, simulate
 from benchmarks.flegx_story.leg import SCALES, Concealed, Joint, effects, machine
 
@@ -25,7 +25,7 @@ MODEL = '''"""{title}, as printed; motor inertia and bearing friction are fitted
 
 from dataclasses import replace
 
-from bondgraph import BondGraph, ParameterSet
+from bondgraph import BondGraph, ParameterSet, effort
 from flegx_models import models
 from flegx_models.parameters import RECONCILED
 
@@ -41,7 +41,9 @@ def leg() -> BondGraph:
 '''
 GAUGED = """    drive = models.{model}(ParameterSet(known))
     drive.measure("torque", effort="K_worm_gear>joint")
-    return drive
+{link}    return drive
+"""
+LINK = """    drive.measure("link", -effort("K_support>joint"), unit="N*m")
 """
 
 
@@ -75,14 +77,16 @@ def write_case(
     sensors = "_gauged" if gauged else ""
     place = folder / f"{joint.model}_{concealed.name}{sensors}"
     place.mkdir(parents=True, exist_ok=True)
+    drive = machine(joint, concealed, gauged=gauged)
     for i, (name, kind) in enumerate({**TRAINING, **HELD_OUT}.items()):
         run = record(joint, concealed, kind, seed + i, samples, gauged=gauged)
-        _write(place / f"{name}.csv", run)
+        _write(place / f"{name}.csv", run, drive.sensors)
     limb, _, phase = joint.model.partition("_")
     title = f"The {limb} in {phase}"
     plain = "    return models.{model}(ParameterSet(known))\n"
     model = MODEL.replace(plain, GAUGED) if gauged else MODEL
-    text = model.format(title=title, limb=limb, model=joint.model)
+    link = LINK if joint.strained else ""
+    text = model.format(title=title, limb=limb, model=joint.model, link=link)
     (place / "model.py").write_text(text, "utf-8")
     told = {
         "model": "model.py",
@@ -113,8 +117,8 @@ def _plan(drive: Machine, kind: str, seed: int) -> Plan:
     )
 
 
-def _write(path: Path, run: Run) -> None:
+def _write(path: Path, run: Run, sensors: tuple[Sensor, ...]) -> None:
     columns = np.column_stack((run.time, run.commands, run.readings))
-    sensors = ("theta [rad]", "torque [N*m]")[: run.readings.shape[1]]
-    header = ",".join(("time [s]", "T_motor [N*m]", *sensors))
+    read = (f"{sensor.name} [{sensor.unit}]" for sensor in sensors)
+    header = ",".join(("time [s]", "T_motor [N*m]", *read))
     np.savetxt(path, columns, "%.9g", delimiter=",", header=header, comments="")

@@ -23,7 +23,7 @@ MOST = 3
 STIFFNESS = MOST
 DAMPING = STIFFNESS + MOST - 1
 VISCOUS = DAMPING + MOST - 1
-JOINT, BEHIND, CARRIED, CUT_OFF = range(VISCOUS + 1, VISCOUS + 5)
+JOINT, BEHIND, CARRIED, CUT_OFF, TURNING = range(VISCOUS + 1, VISCOUS + 6)
 """Where the numbers stand: inertias, springs, dampers, and then single ones."""
 
 
@@ -43,6 +43,15 @@ def passed_on(q, v, u, p, acceleration):
     if u.size > 1:
         torque -= u[1]
     return torque + (between(0, q, v, p) if v.size > 1 else 0.0)
+
+
+@numba.njit
+def carried(q, v, p, acceleration):
+    """Return the torque in the link, behind the joint."""
+    joint = int(p[JOINT])
+    if v.size > joint + 1:
+        return between(joint, q, v, p)
+    return (p[BEHIND] - p[TURNING]) * acceleration[joint]
 
 
 @compiled(FORCES)
@@ -78,3 +87,5 @@ def readings(q, v, z, u, p, acceleration, y):
     y[0] = z[2] if z.size > 0 else q[int(p[JOINT])]
     if y.size > 1:
         y[1] = passed_on(q, v, u, p, acceleration)
+    if y.size > 2:
+        y[2] = carried(q, v, p, acceleration)

@@ -53,7 +53,9 @@ def concluded(
     """
     base, made, floor = rounds[0].base, accepted(rounds), noise_floor(recordings)
     checked = _checked(base, recordings, made)
-    verdict, statement = verdict_of(findings, base, floor, rounds[0], left, checked)
+    verdict, statement = verdict_of(
+        findings, base, floor, rounds[0], left, checked, options.rule
+    )
     statement = with_undecided(verdict, statement, rounds[-1], options.rule)
     if not np.isfinite(shown.after.nrmse) and np.isfinite(shown.before.nrmse):
         verdict, statement = not_simulated(verdict, statement)

@@ -4,7 +4,7 @@ What a model leaves may be noise, white or coloured; a trace of physics, too lit
 matter; more than noise, with laws that would help or with none that does.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from bondgraph.diagnosis.answer.leftover import (
     too_large,
 )
 from bondgraph.diagnosis.answer.wording import name_of
+from bondgraph.diagnosis.evidence.decision import Judged, Rule, is_by_itself
 from bondgraph.diagnosis.records import Support, Verdict
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.fitting.estimate import FittedModel
@@ -40,6 +41,7 @@ def without_findings(
     floor: Mapping[str, float],
     first: Round,
     checked: Adequacy | None,
+    rule: Rule,
 ) -> tuple[Verdict, str]:
     """Return the verdict and the statement where no law was accepted.
 
@@ -49,7 +51,12 @@ def without_findings(
         The round that found nothing.
     checked
         Whether what the base model leaves follows what the machine does, where known.
+    rule
+        By which candidates were judged.
     """
+    alone = [j for j in first.judged if is_by_itself(j, rule)]
+    if alone:
+        return Verdict.CANNOT_TELL, _too_few(alone, first.independent)
     noise = _as_noise(base, floor, first, checked)
     if noise is not None:
         return noise
@@ -58,12 +65,9 @@ def without_findings(
     follows = None if first.tried == 0 else _followed(checked)
     undecided = [j for j in first.judged if j.support is Support.UNDECIDED]
     if undecided and (follows or not worst <= ADEQUATE_RATIO):
-        names = ", ".join(
-            dict.fromkeys(f"{name_of(j.physics)} at {j.place}" for j in undecided[:3])
-        )
         return Verdict.CANNOT_TELL, (
-            f"These recordings do not decide: {names} would help, but not reliably on "
-            "data that were left out."
+            f"These recordings do not decide: {_names(undecided)} would help, but not "
+            "reliably on data that were left out."
         )
     hardly = checked is not None and _follows_at_most(checked, HARDLY)
     if worst > ADEQUATE_RATIO and follows and hardly:
@@ -89,6 +93,22 @@ def without_findings(
         "Nothing is missing that these recordings could show: "
         f"{_residual_words(worst)}{_tried_words(first.tried)}."
     )
+
+
+def _too_few(alone: Sequence[Judged], tried: float) -> str:
+    """Return what to say of laws that would be supported, had each been tried alone."""
+    best, *others = sorted(alone, key=lambda judged: -judged.gain.value)
+    return (
+        f"These recordings are too few to decide: {_names([best, *others])} would "
+        f"help, the first by {best.gain} of the error on data that were left out, but "
+        f"one of the {tried:.0f} that were tried may do so by chance."
+    )
+
+
+def _names(judged: Sequence[Judged]) -> str:
+    """Return the first three laws with their places."""
+    names = dict.fromkeys(f"{name_of(j.physics)} at {j.place}" for j in judged)
+    return ", ".join(list(names)[:3])
 
 
 def _as_noise(

@@ -32,6 +32,7 @@ def verdict_of(
     first: Round,
     remaining: float,
     checked: Adequacy | None = None,
+    rule: Rule | None = None,
 ) -> tuple[Verdict, str]:
     """Return the verdict and the statement that goes with it.
 
@@ -42,6 +43,8 @@ def verdict_of(
         far as it is more than noise.
     checked
         Whether what the base model leaves follows what the machine does, where known.
+    rule
+        By which candidates were judged; the default one when None.
     """
     told = " ".join(finding.statement for finding in findings)
     if any(finding.physics != CURVE for finding in findings):
@@ -54,7 +57,7 @@ def verdict_of(
         )
     if findings:
         return Verdict.UNEXPLAINED, told
-    return without_findings(base, floor, first, checked)
+    return without_findings(base, floor, first, checked, rule or Rule())
 
 
 def _more_missing(remaining: float) -> str:

@@ -135,14 +135,14 @@ def with_plainer(judged: Sequence[Judged], rule: Rule) -> tuple[Judged, ...]:
             support=Support.SUPPORTED,
             reason=f"reduces the left-out error by {j.gain}, {NEARLY_AS_GOOD}",
         )
-        if _is_by_itself(j, rule)
+        if is_by_itself(j, rule)
         and any(_hardly_beaten(j, other, rule) for other in supported)
         else j
         for j in judged
     )
 
 
-def _is_by_itself(judged: Judged, rule: Rule) -> bool:
+def is_by_itself(judged: Judged, rule: Rule) -> bool:
     """Return whether an undecided law would be supported, had it been tried alone."""
     gain = judged.gain
     enough = gain.value >= rule.materiality

@@ -24,7 +24,8 @@ def surprise(residuals: Array, windows: Sequence[slice], fitted: int) -> Array:
     """Return the surprise at every sample, in nats, summed over outputs; (n,).
 
     The autoregression, at most a dozen numbers per output, is that of all samples. The
-    first samples of a window, which have no past, are not scored.
+    first samples of a window, which have no past, are not scored; rows of a table need
+    none, for each is a point of operation of its own.
 
     Parameters
     ----------
@@ -37,20 +38,27 @@ def surprise(residuals: Array, windows: Sequence[slice], fitted: int) -> Array:
     """
     if not np.isfinite(residuals).all():
         return np.full(len(residuals), LOST)
+    unscored = 0 if len(windows) == len(residuals) else MOST_ORDER
     edges = tuple(accumulate((w.stop - w.start for w in windows), initial=0))
     total = np.zeros(len(residuals))
     for column in residuals.T:
         colour = colour_of(column, edges, fitted)
         for window in windows:
-            total[window] += _of_steps(column[window], colour)
+            total[window] += _of_steps(column[window], colour, unscored)
     return total
 
 
-def _of_steps(residual: Array, colour: Colour) -> Array:
-    """Return the surprise at every sample of one output in one window."""
+def _of_steps(residual: Array, colour: Colour, unscored: int) -> Array:
+    """Return the surprise at every sample of one output in one window.
+
+    Parameters
+    ----------
+    unscored
+        How many of the first samples have no past to be foreseen from.
+    """
     if colour.innovation <= 0.0:
         return np.zeros(len(residual))
     squared = colour.innovations(residual) ** 2
     nats: Array = 0.5 * (squared / colour.innovation + np.log(colour.innovation))
-    nats[:MOST_ORDER] = 0.0
+    nats[:unscored] = 0.0
     return nats
