@@ -1,11 +1,12 @@
 """``bondgraph fit``: parameters with what is known of them afterwards."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import click
 
 from bondgraph.cli.command import Command, json_option
-from bondgraph.cli.fit_options import estimation_options, fit_options
+from bondgraph.cli.fit_options import IN_STEPS, estimation_options, fit_options
 from bondgraph.cli.inputs import (
     model_argument,
     read_model,
@@ -15,17 +16,26 @@ from bondgraph.cli.inputs import (
 from bondgraph.cli.reading_options import Reading, recording_options
 from bondgraph.cli.session import Session
 from bondgraph.cli.terminal import table_style
+from bondgraph.diagnosis.work.clock import Progress
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import FitSettings, fit
 from bondgraph.fitting.identifiability import identifiability
 from bondgraph.fitting.profile import Profile, profile
 from bondgraph.fitting.result import FitResult, FitStatus
 from bondgraph.fitting.solver_error import SolverError, SolverErrorStatus
+from bondgraph.fitting.step_error import MOST_SUBSTEPS
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.commands import go_in_steps
 from bondgraph.reporting.diagnosis_json import json_value
 from bondgraph.reporting.model_text import to_python
 from bondgraph.reporting.tables import INTERVAL, estimates_table
-from bondgraph.reporting.wording import number_words, relative_error, unit_words
+from bondgraph.reporting.wording import (
+    number_words,
+    relative_error,
+    unit_words,
+    with_unit,
+)
+from bondgraph.simulation.solvers import Hold
 from bondgraph.structure.graph import FinishedGraph
 
 
@@ -81,7 +91,7 @@ def command(
     bound = read_recordings(recordings, graph, reading)
     with session.progress(loops=True) as progress:
         progress(f"fitting {graph.name}")
-        result = fit(graph, bound, settings=settings)
+        result = _finely_stepped(graph, bound, settings, progress)
     if result.status is FitStatus.SIMULATION_FAILED:
         raise FitError(
             f"{graph.name!r} cannot be simulated at its start values.",
@@ -98,6 +108,8 @@ def command(
         session.say(intervals)
         session.say()
     session.say("\n".join(_known(result, graph, bound)))
+    if settings.hold is Hold.FIRST and go_in_steps(bound):
+        session.hint(IN_STEPS)
     if result.unidentifiable:
         session.hint(
             "What is known of a parameter beforehand may be said in the model: "
@@ -116,6 +128,29 @@ def command(
     return 0 if result.status is FitStatus.CONVERGED else 1
 
 
+def _finely_stepped(
+    graph: FinishedGraph,
+    bound: Sequence[BoundRecording],
+    settings: FitSettings,
+    progress: Progress,
+) -> FitResult:
+    """Return the fit with steps so fine that half of one moves no estimate by much."""
+    result = fit(graph, bound, settings=settings)
+    fitted, error = result.fitted, result.solver_error
+    while (
+        fitted is not None
+        and error is not None
+        and error.status is SolverErrorStatus.COARSE
+        and fitted.problem.solver.substeps < MOST_SUBSTEPS
+    ):
+        solver = fitted.problem.solver
+        finer = replace(solver, substeps=2 * solver.substeps)
+        progress(f"again, in {finer.substeps} steps a sample")
+        result = fit(graph, bound, settings=replace(settings, solver=finer))
+        fitted, error = result.fitted, result.solver_error
+    return result
+
+
 def _intervals(result: FitResult) -> Iterator[str]:
     """Yield the intervals that are known, one a line, where there are any."""
     known = [(one, one.interval) for one in result.estimates if one.interval]
@@ -130,7 +165,8 @@ def _known(
     result: FitResult, graph: FinishedGraph, bound: Sequence[BoundRecording]
 ) -> Iterator[str]:
     """Yield what the fit knows: errors, and what it cannot tell."""
-    yield _score_words(result)
+    yield _score_words(result, graph)
+    yield from _at_bounds(result)
     for name, phi in result.correlation.items():
         yield f"Noise of {name}: neighbouring samples correlate by {phi:.3f}."
     for sentence in result.unidentifiable:
@@ -153,13 +189,32 @@ def _profile_words(one: Profile) -> str:
     return f"Profile of {one.name}: {ends}. {one.status.value}"
 
 
-def _score_words(result: FitResult) -> str:
+def _at_bounds(result: FitResult) -> Iterator[str]:
+    """Yield the parameters that ended where the model lets them go no further."""
+    for one in result.estimates:
+        low, high = result.model.parameters[one.name].bounds
+        # A loss that has come down to none is an answer.
+        if one.value == high or (one.value == low and low != 0.0):
+            bound = with_unit(number_words(one.value), one.unit)
+            yield (
+                f"{one.name} ended at its bound of {bound}: give it a wider one, or "
+                "the model has not what the machine has."
+            )
+
+
+def _score_words(result: FitResult, graph: FinishedGraph) -> str:
     stretch = (
         "over whole recordings"
         if result.window is None
         else f"over windows of {number_words(result.window, 3)} s"
     )
-    return f"Error {stretch}: {relative_error(result.score, 'the measured spread')}."
+    units = {m.name: m.unit for m in graph.measurements}
+    channels = ", ".join(
+        with_unit(f"{name} {number_words(rmse, 3)}", units[name])
+        for name, rmse in result.score.rmse.items()
+    )
+    share = relative_error(result.score, "the measured spread")
+    return f"Error {stretch}: {share} ({channels} rms)."
 
 
 def _plain(result: FitResult, profiles: Sequence[Profile]) -> dict[str, object]:

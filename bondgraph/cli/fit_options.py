@@ -26,6 +26,10 @@ _LOSSES: dict[str, Loss] = {
     "student": StudentT(),
 }
 _NOISES: dict[str, Noise] = {"white": WhiteNoise(), "coloured": AutoregressiveNoise()}
+IN_STEPS = (
+    "The inputs stay the same from most samples to the next, as commands do, and are "
+    "joined by lines here: --hold zero holds them."
+)
 _HOLDS = {"zero": Hold.ZERO, "first": Hold.FIRST}
 
 

@@ -1,11 +1,14 @@
 """Initial states to start from: those that fit the first samples of every window.
 
 From zero, over a short stretch, the fit is nearly linear; from there the long one
-starts close enough. Where dry friction sticks that is not so: at rest no state moves
-the outputs by its flow, and a machine that was let go, or pushed, looks as if it had
-always stood where it stands on average. So the states are also sought in the same
-machine with its frictions let go of, in which every flow shows, and taken from there
-where they fit better in the machine itself.
+starts close enough. A ball at no distance from its magnet is nowhere near: so the
+states are also sought from what the very first sample reads.
+
+Where dry friction sticks the fit is not linear: at rest no state moves the outputs by
+its flow, and a machine that was let go, or pushed, looks as if it had always stood
+where it stands on average. So the states are also sought in the same machine with its
+frictions let go of, in which every flow shows, and taken from there where they fit
+better in the machine itself.
 
 At zero a root has no finite slope (an empty tank above its outlet), and an explicit
 method looks at that very point. There an implicit one, which looks beside it, goes
@@ -18,12 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.fitting.horizon import SHORTEST
-from bondgraph.fitting.levenberg_marquardt import settle
-from bondgraph.fitting.problem import FitProblem
+from bondgraph.fitting.levenberg_marquardt import by_window, settle
+from bondgraph.fitting.problem import FitProblem, Linearisation
 from bondgraph.numeric.held_modes import with_modes_given
 from bondgraph.simulation.solvers import Sdirk2
 
 Array = NDArray[np.float64]
+Settled = tuple[Array, Linearisation]
 ITERATIONS = 12
 
 
@@ -39,6 +43,8 @@ def first_guess(problem: FitProblem, theta: Array) -> Array:
     elif problem.model.set_valued is None:
         iterations = 0
     initial, here = settle(problem, theta, zeros, iterations)
+    read = settle(problem, theta, _read_at_once(problem, theta, zeros), iterations)
+    initial, here = _better(problem, (initial, here), read)
     lost = ~np.isfinite(here.cost)
     if lost.any():
         beside, _ = settle(replace(problem, solver=Sdirk2()), theta, zeros)
@@ -47,8 +53,21 @@ def first_guess(problem: FitProblem, theta: Array) -> Array:
     moving = states_in_motion(problem, theta)
     if moving is None:
         return initial
-    moving, there = settle(problem, theta, moving)
-    return np.where((there.cost < here.cost)[:, None], moving, initial)
+    return _better(problem, (initial, here), settle(problem, theta, moving))[0]
+
+
+def _read_at_once(problem: FitProblem, theta: Array, zeros: Array) -> Array:
+    """Return states that fit the first sample of every window; no step is taken."""
+    shots = problem.shots.subset(np.arange(problem.shots.n_windows), 1)
+    return settle(replace(problem, shots=shots), theta, zeros)[0]
+
+
+def _better(problem: FitProblem, one: Settled, other: Settled) -> Settled:
+    """Return, window by window, the states that fit better, with how they do."""
+    (initial, here), (states, there) = one, other
+    is_better = there.cost < here.cost
+    told = by_window(problem, is_better, there, here)
+    return np.where(is_better[:, None], states, initial), told
 
 
 def states_in_motion(problem: FitProblem, theta: Array) -> Array | None:

@@ -47,18 +47,37 @@ class Gravity(AbstractPhysics):
     signature = "an effort periodic in the angle; a spring over small angles"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it at rotating 1-junctions whose angle is known."""
+        """Yield it at rotating 1-junctions whose angle is known.
+
+        Beside a spring, too, that is the linear part of a hanging weight.
+        """
         if not isinstance(place, OneJunctionPlace) or place.domain != ROTATION:
             return
         if not place.displacement_known:
             return
+        yield self._whole(place)
+        if place.has_free_linear(Compliance):
+            yield self._beyond_its_linear_part(place)
+
+    def _whole(self, place: OneJunctionPlace) -> Hypothesis:
         some = 0.3 * place.effort
         a = place.strength("gravity_sine", place.unit(E), (0.0, some))
         b = place.strength("gravity_cosine", place.unit(E))
         law = a.symbol * sympy.sin(q) + b.symbol * sympy.cos(q)
         element = restoring(place, place.name_of(self.word), law)
         words = "the torque of a weight that turns with the shaft"
-        yield self.hypothesis(place, place.insert(element, a, b), law, (a, b), words)
+        return self.hypothesis(place, place.insert(element, a, b), law, (a, b), words)
+
+    def _beyond_its_linear_part(self, place: OneJunctionPlace) -> Hypothesis:
+        some = place.effort / place.displacement
+        a = place.strength("gravity_sine", place.unit(E), (0.0, some), low=0.0)
+        law = a.symbol * (sympy.sin(q) - q)
+        element = restoring(place, place.name_of(self.word), law)
+        words = (
+            "the torque of a weight that hangs from the shaft, of which the spring "
+            "there is the linear part"
+        )
+        return self.hypothesis(place, place.insert(element, a), law, (a,), words)
 
 
 class Spring(AbstractPhysics):

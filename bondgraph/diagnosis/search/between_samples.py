@@ -16,6 +16,7 @@ from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.fitting.step_error import MOST_SUBSTEPS, step_error
 from bondgraph.fitting.uncertainty import uncertainty
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.commands import go_in_steps
 from bondgraph.simulation.solvers import Hold, RungeKutta4, Sdirk2, Solver
 from bondgraph.structure.graph import FinishedGraph
 
@@ -25,9 +26,6 @@ FITS_BETTER = 0.98
 
 OF_NOISE, OF_RESIDUAL = 0.3, 0.03
 """Of the noise and of what the model leaves: a step's error below these is fine."""
-
-STEPS = 0.2
-"""An input that changes in fewer samples than this share goes in steps."""
 
 MOVED = 0.5
 """Standard errors by which a step's error may move an estimate that is told."""
@@ -43,7 +41,7 @@ def fitted_either_way(
     Where both fit alike, held if they stay the same from most samples to the next: so
     does a command that goes in steps.
     """
-    if recordings[0].input_names and _in_steps(recordings):
+    if go_in_steps(recordings):
         settings = replace(settings, hold=Hold.ZERO)
     own = fit_model(graph, recordings, settings)
     if not own.problem.model.input_names or not own.problem.model.n_states:
@@ -52,12 +50,6 @@ def fitted_either_way(
     changed = replace(settings, hold=other)
     rival = fit_model(graph, recordings, changed, sigma=own.problem.sigma)
     return rival if rival.optimum.cost < FITS_BETTER * own.optimum.cost else own
-
-
-def _in_steps(recordings: Sequence[BoundRecording]) -> bool:
-    """Return whether all inputs stay the same from most samples to the next."""
-    changes = [np.diff(recording.inputs, axis=0) != 0.0 for recording in recordings]
-    return bool((np.concatenate(changes).mean(axis=0) < STEPS).all())
 
 
 def finely_stepped(fitted: FittedModel, noise: Array) -> FittedModel:
