@@ -67,14 +67,47 @@ def heights(stem: str, values: tuple[float, ...]) -> dict[str, float]:
 
 CASES = [
     Case("wheel", "ViscousFriction", "shaft", {"viscous": 0.05}),
+    Case(
+        "wheel",
+        "ViscousFriction",
+        "shaft",
+        {"viscous": 0.4, "levelling_flow": 0.5},
+        1,
+    ),
     Case("wheel", "CoulombFriction", "shaft", {"coulomb": 0.2}),
     Case("dc_drive", "VoltageDrop", "winding", {"drop": 0.3}),
     Case("geared_arm", "LoadDependentFriction", "joint", {"mu": 0.15}),
+    Case(
+        "geared_arm",
+        "LoadDependentFriction",
+        "joint",
+        {
+            "mu": 0.15,
+            "coulomb": 0.4,
+            "slow_rise_ahead": -0.3,
+            "slow_rise_back": 0.6,
+            "slow_flow": 0.3,
+        },
+        2,
+    ),
     Case(
         "wheel",
         "DirectionDependentFriction",
         "shaft",
         {"coulomb": 0.2, "asymmetry": 0.25},
+    ),
+    Case(
+        "wheel",
+        "DirectionDependentFriction",
+        "shaft",
+        {
+            "coulomb": 0.2,
+            "asymmetry": 0.25,
+            "slow_rise_ahead": -0.4,
+            "slow_rise_back": 0.8,
+            "slow_flow": 0.5,
+        },
+        1,
     ),
     Case(
         "wheel",
@@ -87,6 +120,7 @@ CASES = [
     Case("two_tanks", "ConstantBias", "upper", {"bias": 0.2}),
     Case("lamp", "ConstantBias", "mains", {"input_bias": 0.2}),
     Case("wheel", "Gravity", "shaft", {"gravity_sine": 0.5, "gravity_cosine": 0.2}),
+    Case("geared_arm", "Gravity", "joint", {"gravity_sine": 0.5}, 1),
     Case("wheel", "Spring", "shaft", {"stiffness": 0.4, "bias": 0.1}),
     Case("slider", "HardeningSpring", "carriage", {"cubic_stiffness": 2e4}),
     Case(
@@ -222,12 +256,14 @@ CASES = [
     Case("slider", "SensorBias", "position", {"sensor_bias": 0.01}),
     Case("slider", "SensorScale", "position", {"sensor_scale": 1.1}),
     Case("slider", "InputScale", "force", {"input_scale": 0.9}),
+    Case("heaters", "InputScale", "heater1", {"share_lost_to_heater2": 0.3}, 4),
     Case("slider", "Lag", "force", {"lag": 0.05}),
     Case("slider", "Lag", "position", {"lag": 0.05}),
     Case("slider", "Delay", "force", {"delay": 0.04}),
     Case("slider", "Delay", "position", {"delay": 0.04}),
     Case("damper", "Delay", "load", {"delay": 0.04}),
     Case("slider", "Saturation", "force", {"limit": 1.5}),
+    Case("slider", "Saturation", "force", {"rate_limit": 5.0}, 1),
     Case("slider", "DeadZone", "force", {"dead_zone": 0.3}),
     Case(
         "slider",

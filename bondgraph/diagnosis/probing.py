@@ -145,15 +145,23 @@ def measure_scales(fitted: FittedModel) -> Scales:
         bonds = [f"{quantity}({b.name})" for b in graph.bonds_at(junction.name)]
         told = [sizes[bond] for bond in bonds if bond in sizes]
         sizes[f"{quantity}({junction.name})"] = max(told, default=0.0)
+    interval = _interval(shots)
     return Scales(
         sizes,
         {name: (float(np.nanmin(x)), float(np.nanmax(x))) for name, x in known.items()},
-        interval=_interval(shots),
+        interval=interval,
         duration=float(
             max(shots.time[s.stop - 1] - shots.time[s.start] for s in shots.slices)
         ),
         fitted=fitted.values,
+        least={} if interval else _least(known),
     )
+
+
+def _least(known: Mapping[str, Array]) -> dict[str, float]:
+    """Return the least size other than zero of every signal that has one."""
+    sizes = {name: np.abs(x[np.isfinite(x) & (x != 0.0)]) for name, x in known.items()}
+    return {name: float(size.min()) for name, size in sizes.items() if size.size}
 
 
 def _between(graph: FinishedGraph, found: Mapping[str, Array]) -> dict[str, Array]:

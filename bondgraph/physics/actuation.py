@@ -1,4 +1,4 @@
-"""Inputs that do not do what they are asked: scale, saturation, dead zone."""
+"""Inputs that do not do what they are asked: scale, limits, dead zone."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -9,6 +9,8 @@ from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Place
 from bondgraph.physics.places.channels import InputPlace
 from bondgraph.physics.slips import SLIPS, own_values
+from bondgraph.structure.edits import SignalState
+from bondgraph.structure.signals import displacement
 
 
 class InputScale(AbstractPhysics):
@@ -36,6 +38,23 @@ class InputScale(AbstractPhysics):
             words = f"{place.name} is recorded {slip}"
             slipped = self.hypothesis(place, edit, law, (fixed,), words)
             yield replace(slipped, starts=(own_values(place),))
+        for other in place.of_its_kind:
+            if not place.is_constant and not other.is_constant:
+                yield self._with_less_beside(place, other)
+
+    def _with_less_beside(self, place: InputPlace, other: InputPlace) -> Hypothesis:
+        """Return an input that does less the more another one does: a shared supply."""
+        shares = (0.0, 0.2)
+        name = f"share_lost_to_{other.name}"
+        lost = place.strength(name, "1", shares, low=0.0, high=1.0)
+        size = place.constant(f"peak_of_{other.name}", place.channel_unit, other.peak)
+        beside = sympy.Abs(other.signal) / size.symbol
+        law = place.signal * (1 - lost.symbol * beside)
+        words = (
+            f"{place.name} does less the more {other.name} does: they share a supply"
+        )
+        edit = place.become(law, lost, size)
+        return self.hypothesis(place, edit, law, (lost, size), words)
 
 
 class Saturation(AbstractPhysics):
@@ -47,9 +66,13 @@ class Saturation(AbstractPhysics):
     signature = "large commands do no more than smaller ones"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for every input that changes, the same limit on both sides."""
+        """Yield a limit of size and one of rate for every input that changes."""
         if not isinstance(place, InputPlace) or place.is_constant:
             return
+        yield self._of_size(place)
+        yield self._of_rate(place)
+
+    def _of_size(self, place: InputPlace) -> Hypothesis:
         peak = place.peak
         limits = tuple(share * peak for share in (0.95, 0.8, 0.65, 0.5, 0.35))
         unit = place.channel_unit
@@ -57,7 +80,23 @@ class Saturation(AbstractPhysics):
         law = sympy.Max(sympy.Min(place.signal, limit.symbol), -limit.symbol)
         words = f"{place.name} does not pass a limit, whatever is commanded"
         edit = place.become(law, limit, nested=False)
-        yield self.hypothesis(place, edit, law, (limit,), words)
+        return self.hypothesis(place, edit, law, (limit,), words)
+
+    def _of_rate(self, place: InputPlace) -> Hypothesis:
+        """Return a state that follows the input within a sample, but no faster."""
+        peak, step = place.peak, place.scales.step
+        times = (3.0, 10.0, 30.0, 100.0, 300.0)
+        rates = tuple(peak / (n * step) for n in times)
+        unit = f"({place.channel_unit})/(s)"
+        rate = place.shape("rate_limit", unit, rates, low=0.01 * rates[-1])
+        within = place.constant("rate_settling", "s", 0.5 * step)
+        name = place.name_of("slewed")
+        behind = (place.signal - displacement(name)) / within.symbol
+        slewing = sympy.Max(sympy.Min(behind, rate.symbol), -rate.symbol)
+        state = SignalState(name, slewing)
+        words = f"{place.name} does not change faster than a limit"
+        edit = place.become(state.value, rate, within, states=(state,), nested=False)
+        return self.hypothesis(place, edit, state.value, (rate, within), words)
 
 
 class DeadZone(AbstractPhysics):

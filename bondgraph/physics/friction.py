@@ -1,20 +1,15 @@
-"""Friction at a 1-junction: an effort against the flow.
-
-Dry friction is written smooth, ``tanh(f / f_s)`` with a flow f_s 300 times below the
-typical one; that flow is a parameter of the inserted element, marked exact. A fit that
-has ended goes on with a sharper edge where that tells (`diagnosis.search.sharper`).
-"""
+"""Friction at a 1-junction: an effort against the flow."""
 
 from collections.abc import Iterator
 from types import MappingProxyType
 
 import sympy
 
+from bondgraph.physics.dry_friction import changing_when_slow, direction
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import (
     FLUID,
     MECHANICAL,
-    Coefficient,
     E,
     F,
     Place,
@@ -24,35 +19,48 @@ from bondgraph.structure.domains import ELECTRICAL
 from bondgraph.structure.elements import Resistance
 from bondgraph.structure.signals import f
 
-REGULARISATION = 1 / 300
-
-
-def direction(place: OneJunctionPlace) -> tuple[sympy.Expr, Coefficient]:
-    """Return the smooth sign of the flow and the coefficient that smooths it."""
-    width = place.edge("slip_flow", place.unit(F), REGULARISATION * place.flow)
-    return sympy.tanh(f / width.symbol), width
-
 
 class ViscousFriction(AbstractPhysics):
     """Effort proportional to flow."""
 
     word = "viscous_friction"
-    reference = "Newton's law of viscosity; Ohm's law; Hagen-Poiseuille"
+    reference = (
+        "Newton's law of viscosity; Ohm's law; Hagen-Poiseuille; where it levels off, "
+        "Eyring 1936"
+    )
     passivity = Passivity.DISSIPATIVE
     signature = "motion dies out faster the faster it is; taken for a larger resistance"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it where no fitted linear R sits already."""
+        """Yield it where no fitted linear R sits already, and one that levels off."""
         if not isinstance(place, OneJunctionPlace):
             return
-        if place.has_free_linear(Resistance):
-            return
+        if not place.has_free_linear(Resistance):
+            yield self._in_proportion(place)
+        if place.domain in MECHANICAL | FLUID:
+            yield self._levelling_off(place)
+
+    def _in_proportion(self, place: OneJunctionPlace) -> Hypothesis:
         some = 0.2 * place.effort / place.flow
         b = place.strength("viscous", place.unit(E, F), (0.0, some), low=0.0)
         law = b.symbol * f
         element = Resistance(place.name_of(self.word), law=law)
         words = f"{place.a(E)} proportional to {place.domain.flow}"
-        yield self.hypothesis(place, place.insert(element, b), law, (b,), words)
+        return self.hypothesis(place, place.insert(element, b), law, (b,), words)
+
+    def _levelling_off(self, place: OneJunctionPlace) -> Hypothesis:
+        """Return what thins as it is sheared: grease, harmonic drives, soft seals."""
+        speeds = (0.1 * place.flow, 0.4 * place.flow)
+        some = tuple(0.2 * place.effort / speed for speed in speeds)
+        b = place.strength("viscous", place.unit(E, F), (0.0, 0.0, *some), low=0.0)
+        low = 0.02 * place.flow
+        at = place.shape("levelling_flow", place.unit(F), speeds * 2, low=low)
+        law = b.symbol * f / (1 + sympy.Abs(f) / at.symbol)
+        element = Resistance(place.name_of(self.word), law=law)
+        words = f"{place.a(E)} that rises with {place.domain.flow} and levels off"
+        edit = place.insert(element, b, at)
+        extends = (self.word,)
+        return self.hypothesis(place, edit, law, (b, at), words, extends=extends)
 
 
 class CoulombFriction(AbstractPhysics):
@@ -107,7 +115,7 @@ class DirectionDependentFriction(AbstractPhysics):
     signature = "Coulomb friction beside a constant bias, which in motion is the same"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it where no fitted constant source sits.
+        """Yield it where no fitted constant source sits, and one that depends on speed.
 
         Beside one it says nothing of its own: in motion the two are the same.
         """
@@ -115,6 +123,10 @@ class DirectionDependentFriction(AbstractPhysics):
             return
         if place.has_free_bias:
             return
+        yield self._constant(place)
+        yield self._otherwise_when_slow(place)
+
+    def _constant(self, place: OneJunctionPlace) -> Hypothesis:
         sizes = (0.0, 0.3 * place.effort)
         c = place.strength("coulomb", place.unit(E), sizes, low=0.0)
         # A share: bounds keep it passive, and at zero it is Coulomb friction.
@@ -126,13 +138,32 @@ class DirectionDependentFriction(AbstractPhysics):
             f"{place.a(E)} against the motion, larger ahead by a share (asymmetry) "
             "of its mean size, smaller back"
         )
-        yield self.hypothesis(
+        return self.hypothesis(
             place,
             place.insert(element, c, share, width),
             law,
             (c, share, width),
             words,
             extends=("coulomb_friction",),
+        )
+
+    def _otherwise_when_slow(self, place: OneJunctionPlace) -> Hypothesis:
+        some = 0.3 * place.effort
+        c = place.strength("coulomb", place.unit(E), (0.0, 0.0, some, some), low=0.0)
+        share = place.strength("asymmetry", "1", low=-1.0, high=1.0)
+        sign, width = direction(place)
+        slow = changing_when_slow(place, sign)
+        sized = sign + share.symbol * sympy.Abs(sign)
+        law = c.symbol * sized * slow.factor
+        coefficients = (c, share, *slow.coefficients, width)
+        return self.hypothesis(
+            place,
+            place.insert(Resistance(place.name_of(self.word), law=law), *coefficients),
+            law,
+            coefficients,
+            f"{place.a(E)} against the motion that differs between the directions, "
+            f"{slow.words}",
+            extends=("coulomb_friction", "stribeck_friction", self.word),
         )
 
 

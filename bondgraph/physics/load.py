@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from bondgraph.physics.friction import direction
+from bondgraph.physics.dry_friction import changing_when_slow, direction
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import MECHANICAL, E, Place
 from bondgraph.physics.places.junction import OneJunctionPlace
@@ -32,12 +32,38 @@ class LoadDependentFriction(AbstractPhysics):
     domains = MECHANICAL
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield two per load at a 1-junction: without and with a constant part."""
+        """Yield three per load at a 1-junction.
+
+        Without and with a constant part, and with another size where it is slow.
+        """
         if not isinstance(place, OneJunctionPlace) or not self.suits(place):
             return
         for load in _loads(place):
             yield self._law(place, load, constant=False)
             yield self._law(place, load, constant=True)
+            yield self._otherwise_when_slow(place, load)
+
+    def _otherwise_when_slow(
+        self, place: OneJunctionPlace, load: "_Load"
+    ) -> Hypothesis:
+        some = 0.3 * place.effort
+        mu = place.strength("mu", "1", (0.0, 0.0, 0.1, 0.1), low=0.0)
+        c = place.strength("coulomb", place.unit(E), (0.0, 0.0, some, some), low=0.0)
+        sign, width = direction(place)
+        slow = changing_when_slow(place, sign)
+        name = place.name_of(self.word)
+        law = (c.symbol + mu.symbol * sympy.Abs(load.carried(name))) * sign
+        coefficients = (mu, c, *slow.coefficients, width)
+        law *= slow.factor
+        return self.hypothesis(
+            place,
+            place.insert(Resistance(name, law=law), *coefficients),
+            law,
+            coefficients,
+            f"{place.a(E)} against the motion that has a constant part, grows with "
+            f"{load.told(place)}, {slow.words.replace('each', 'each direction')}",
+            extends=("coulomb_friction", "stribeck_friction", self.word),
+        )
 
     def _law(
         self, place: OneJunctionPlace, load: "_Load", *, constant: bool
@@ -48,21 +74,17 @@ class LoadDependentFriction(AbstractPhysics):
         c = place.strength("coulomb", place.unit(E), (0.0, some, some), low=0.0)
         sign, width = direction(place)
         name = place.name_of(self.word)
-        carried = (
-            effort(load.bond) - effort(name) if load.less_own else effort(load.bond)
-        )
-        pressed = mu.symbol * sympy.Abs(carried)
+        pressed = mu.symbol * sympy.Abs(load.carried(name))
         law = (c.symbol + pressed if constant else pressed) * sign
         coefficients = (mu, c, width) if constant else (mu, width)
-        passed = "passed on from" if load.less_own else "transmitted through"
         return self.hypothesis(
             place,
             place.insert(Resistance(name, law=law), *coefficients),
             law,
             coefficients,
             f"{place.a(E)} against the motion that "
-            f"{'has a constant part and ' if constant else ''}grows with the "
-            f"{place.domain.effort} {passed} {load.bond}",
+            f"{'has a constant part and ' if constant else ''}grows with "
+            f"{load.told(place)}",
             extends=("coulomb_friction",) if constant else (),
         )
 
@@ -73,6 +95,15 @@ class _Load:
 
     bond: str
     less_own: bool = False
+
+    def carried(self, own: str) -> sympy.Expr:
+        """Return the effort that presses, beside a friction called `own`."""
+        return effort(self.bond) - effort(own) if self.less_own else effort(self.bond)
+
+    def told(self, place: OneJunctionPlace) -> str:
+        """Return it in words."""
+        passed = "passed on from" if self.less_own else "transmitted through"
+        return f"the {place.domain.effort} {passed} {self.bond}"
 
 
 def _loads(place: OneJunctionPlace) -> tuple[_Load, ...]:

@@ -15,6 +15,7 @@ from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import JunctionPlace, OneJunctionPlace
 from bondgraph.structure.domains import ROTATION
 from bondgraph.structure.elements import Compliance, EffortSource
+from bondgraph.structure.nodes import is_linear
 from bondgraph.structure.signals import f, flow, q
 
 
@@ -56,7 +57,8 @@ class Gravity(AbstractPhysics):
         if not place.displacement_known:
             return
         yield self._whole(place)
-        if place.has_free_linear(Compliance):
+        springs = (n for n in place.neighbours if isinstance(n, Compliance))
+        if any(map(is_linear, springs)):
             yield self._beyond_its_linear_part(place)
 
     def _whole(self, place: OneJunctionPlace) -> Hypothesis:

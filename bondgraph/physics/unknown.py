@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import sympy
 
 from bondgraph.physics.curves import ALONG, Knots, Smooth, drawn, even, turning
-from bondgraph.physics.friction import direction
+from bondgraph.physics.dry_friction import direction
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Shape
 from bondgraph.physics.places.base import MECHANICAL, Coefficient, E, F, Place, Q
 from bondgraph.physics.places.channels import InputPlace

@@ -26,9 +26,9 @@ class InputSwap(AbstractPhysics):
         if not isinstance(place, InputPlace):
             return
         names = [source.name for source in place.graph.inputs]
-        for other in names[names.index(place.name) + 1 :]:
-            if _drives_like(place, other):
-                yield self._swapped(place, other)
+        for other in place.of_its_kind:
+            if names.index(other.name) > names.index(place.name):
+                yield self._swapped(place, other.name)
 
     def _swapped(self, place: InputPlace, other: str) -> Hypothesis:
         words = (
@@ -38,13 +38,6 @@ class InputSwap(AbstractPhysics):
         edit = SwapInputs(place.name, other)
         swapped = self.hypothesis(place, edit, law, (), words)
         return replace(swapped, starts=(own_values(place),))
-
-
-def _drives_like(place: InputPlace, other: str) -> bool:
-    """Return whether another input imposes the same quantity of the same domain."""
-    own, graph = place.graph.node(place.name), place.graph
-    same = type(graph.node(other)) is type(own)
-    return same and graph.domain_at(other) is place.domain
 
 
 class SensorSwap(AbstractPhysics):

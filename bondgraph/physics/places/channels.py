@@ -74,6 +74,17 @@ class InputPlace(ChannelPlace):
         return bond.other(self.name)
 
     @property
+    def of_its_kind(self) -> tuple["InputPlace", ...]:
+        """The other inputs that impose the same quantity of the same domain."""
+        others = (
+            InputPlace(self.graph, source.name, self.scales)
+            for source in self.graph.inputs
+            if source.name != self.name
+        )
+        alike = (self.quantity, self.domain)
+        return tuple(o for o in others if (o.quantity, o.domain) == alike)
+
+    @property
     def signal(self) -> Signal:
         """The recorded signal."""
         return Signal(self.quantity, self.name)

@@ -1,5 +1,6 @@
 """A junction as a place: where an element may hang that the model does not have."""
 
+import math
 from dataclasses import dataclass
 
 import sympy
@@ -19,7 +20,12 @@ from bondgraph.structure.elements import (
 )
 from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.nodes import is_linear
-from bondgraph.structure.signals import displacement, parameters_in, signals_in
+from bondgraph.structure.signals import (
+    displacement,
+    flow,
+    parameters_in,
+    signals_in,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +77,12 @@ class JunctionPlace(Place):
     def flow(self) -> float:
         """Typical flow."""
         return self.scales.at(Quantity.FLOW, self.name)
+
+    @property
+    def least_flow(self) -> float:
+        """The least flow other than none in a steady table; infinite without one."""
+        name = flow(self.name).name
+        return self.scales.least.get(name, math.inf)
 
     @property
     def effort(self) -> float:

@@ -25,6 +25,9 @@ class Scales:
         Seconds of the longest recording; 0 where not known.
     fitted
         What a fit has made of the parameters; empty where there was none.
+    least
+        Least size other than zero, by the same names, in the rows of a steady table;
+        empty where there is motion between samples.
     """
 
     sizes: Mapping[str, float] = field(default_factory=dict)
@@ -32,6 +35,7 @@ class Scales:
     interval: float = 0.0
     duration: float = 0.0
     fitted: Mapping[str, float] = field(default_factory=dict)
+    least: Mapping[str, float] = field(default_factory=dict)
 
     def at(self, quantity: Quantity, place: str, default: float = 1.0) -> float:
         """Return the size of `quantity` at `place`, or `default` where unknown or 0."""
