@@ -13,6 +13,7 @@ from bondgraph.diagnosis.search.hollow import ends_as_nothing, without_hollow
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.removal import fitted_with
 from bondgraph.diagnosis.search.round_found import Round, accepted
+from bondgraph.diagnosis.work.limit import Limit
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.drag import QuadraticDrag
 from bondgraph.physics.friction import CoulombFriction
@@ -53,7 +54,7 @@ def test_a_law_that_came_first_and_ends_as_nothing_is_taken_out():
     first, second = candidates(rounds)
     assert ends_as_nothing(final, first)
     assert not ends_as_nothing(final, second)
-    left, without = without_hollow(rounds, final, runs, Options())
+    left, without = without_hollow(rounds, final, runs, Options(), Limit())
     assert [one.chosen.candidate.hypothesis for one in accepted(left)] == [drag]
     assert left[-1].removed == (rub,)
     assert not set(rub.parameters) & set(without.values)
@@ -64,7 +65,7 @@ def test_a_law_that_came_first_and_ends_as_nothing_is_taken_out():
 def test_laws_that_are_there_stay():
     rounds, final, runs, _, _ = searched(0.4)
     assert not ends_as_nothing(final, candidates(rounds)[0])
-    left, same = without_hollow(rounds, final, runs, Options())
+    left, same = without_hollow(rounds, final, runs, Options(), Limit())
     assert left == rounds
     assert same is final
 
@@ -73,7 +74,7 @@ def test_the_only_finding_stays_and_is_told_as_it_is():
     rounds, final, runs, _, _ = searched(0.0)
     alone = [rounds[0], Round(final)]
     assert ends_as_nothing(final, candidates(alone)[0])
-    assert without_hollow(alone, final, runs, Options())[0] == alone
+    assert without_hollow(alone, final, runs, Options(), Limit())[0] == alone
 
 
 @pytest.mark.parametrize(("size", "nothing"), [(1e-16, True), (0.03, False)])

@@ -20,11 +20,13 @@ from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.plainer import without_needless_parts
 from bondgraph.diagnosis.search.removal import fitted_with
 from bondgraph.diagnosis.search.round_found import Round
+from bondgraph.diagnosis.work.limit import Limit
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.friction import CoulombFriction, StribeckFriction
 
 DRY = 0.8
 OPEN = Support.UNDECIDED
+FOR_EVER = Limit()
 
 
 def recorded(rise):
@@ -45,7 +47,7 @@ def added_to(base, physics, support, gain):
     return Judged(candidate, errors, Gain(gain, 0.01, 1e-9), support, f"takes {gain}")
 
 
-def search_that_chose_the_wider(rise, narrow_support):
+def search_that_chose_the_wider(rise, narrow_support, limit=FOR_EVER):
     recording = recorded(rise)
     base = fit_model(slider(), [recording], FitSettings())
     wide = added_to(base, StribeckFriction(), Support.SUPPORTED, 0.9)
@@ -53,7 +55,17 @@ def search_that_chose_the_wider(rise, narrow_support):
     found = Round(base, judged=(wide, narrow), chosen=wide, probability=0.8)
     final = wide.candidate.fitted
     rounds = [found, Round(final)]
-    return wide, narrow, without_needless_parts(rounds, final, [recording], Options())
+    return (
+        wide,
+        narrow,
+        without_needless_parts(rounds, final, [recording], Options(), limit),
+    )
+
+
+def test_what_there_is_no_time_to_see_again_stands():
+    out = Limit.after(0.0)
+    wide, _, (rounds, _) = search_that_chose_the_wider(0.0, Support.SUPPORTED, out)
+    assert rounds[0].chosen is wide
 
 
 @pytest.mark.parametrize("support", [Support.SUPPORTED, Support.UNDECIDED])

@@ -46,8 +46,13 @@ class Delay(AbstractPhysics):
     signature = "the same shape later, phase that falls with frequency; taken for a lag"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for every input that changes, and every output."""
+        """Yield it for every input that changes, and every output of what is driven.
+
+        What moves by itself shows no delay: any motion is as good an early one.
+        """
         if not isinstance(place, ChannelPlace) or place.is_constant:
+            return
+        if not place.is_driven:
             return
         low = 0.05 * place.scales.step
         time = place.shape("delay", "s", _times(place), low=low)

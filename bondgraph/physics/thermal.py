@@ -48,6 +48,10 @@ class Radiation(AbstractPhysics):
         yield self.hypothesis(place, edit, law, (k, room, zero), words)
 
 
+BODIES_WARM = 2.0
+"""Seconds: no bearing, damper or filter is warm, or dirty, sooner than that."""
+
+
 class TemperatureDependentResistance(AbstractPhysics):
     """A resistance that changes as its own losses warm it.
 
@@ -67,7 +71,15 @@ class TemperatureDependentResistance(AbstractPhysics):
             return
         if not isinstance(place.element, Resistance) or place.element.law is not None:
             return
-        yield self._by_place(place) if place.domain == THERMAL else self._by_use(place)
+        if place.domain == THERMAL:
+            yield self._by_place(place)
+        elif self._quickest(place) < place.scales.stretch:
+            yield self._by_use(place)
+
+    def _quickest(self, place: ElementPlace) -> float:
+        """Return the least time in which it may warm: a filament does so at once."""
+        least = 0.003 * place.scales.stretch
+        return least if place.domain == ELECTRICAL else max(least, BODIES_WARM)
 
     def _by_place(self, place: ElementPlace) -> Hypothesis:
         temperature = _mean_temperature(place)
@@ -82,7 +94,7 @@ class TemperatureDependentResistance(AbstractPhysics):
         stretch = place.scales.stretch
         times = tuple(share * stretch for share in (0.03, 0.1, 0.3, 1.0))
         h = place.strength("warming", place.per("1", E, F), (0.0,) * 4 + (some,))
-        tau = place.shape("warming_time", "s", times * 2, low=0.1 * times[0])
+        tau = place.shape("warming_time", "s", times * 2, low=self._quickest(place))
         name = place.name_of("rise")
         power = effort(place.name) * flow(place.name)
         rate = (h.symbol * power - displacement(name)) / tau.symbol

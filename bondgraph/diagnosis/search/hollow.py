@@ -16,6 +16,7 @@ from bondgraph.diagnosis.search.plainer import as_good
 from bondgraph.diagnosis.search.removal import fitted_with, gone_from
 from bondgraph.diagnosis.search.round_found import Round, chosen_in
 from bondgraph.diagnosis.search.vanished import is_nothing
+from bondgraph.diagnosis.work.limit import Limit
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.uncertainty import uncertainty
@@ -27,6 +28,7 @@ def without_hollow(
     final: FittedModel,
     recordings: Sequence[BoundRecording],
     options: Options,
+    limit: Limit,
 ) -> tuple[list[Round], FittedModel]:
     """Return the rounds and the final model without findings that are nothing in it.
 
@@ -34,6 +36,8 @@ def without_hollow(
     """
     left = list(rounds)
     for one in chosen_in(rounds):
+        if limit.passed:
+            break
         law = one.hypothesis
         others = [c.hypothesis for c in chosen_in(left) if c.hypothesis is not law]
         if not others or law.physics == CURVE or not ends_as_nothing(final, one):

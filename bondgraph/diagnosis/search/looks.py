@@ -53,6 +53,15 @@ class Look:
     rounds: list[Round]
     final: FittedModel
 
+    @property
+    def is_named(self) -> bool:
+        """Whether a law with a name was found.
+
+        A curve bends to what windows leave of a motion that is longer than they are.
+        """
+        chosen = chosen_in(self.rounds)
+        return any(one.hypothesis.physics != CURVE for one in chosen)
+
     def error(self, recordings: Sequence[BoundRecording]) -> float:
         """Return how far whole recordings are from being simulated, over the spread."""
         return _whole_error(self.final, recordings)
@@ -77,8 +86,9 @@ def look(
         return Look(rounds, base)
     shop.progress("refitting the improved model")
     final = sharpened(rounds[-1].base, recordings, options)
-    rounds, final = without_needless_parts(rounds, final, recordings, options)
-    return Look(*without_hollow(rounds, final, recordings, options))
+    limit = shop.limit
+    rounds, final = without_needless_parts(rounds, final, recordings, options, limit)
+    return Look(*without_hollow(rounds, final, recordings, options, limit))
 
 
 def second_look(
@@ -99,7 +109,9 @@ def second_look(
     base = first.rounds[0].base
     small = within(base, noise, options.rule)
     windowed = base.problem.shots.n_windows > len(recordings)
-    if shop.limit.passed or (small and not windowed) or _explains(first, recordings):
+    if shop.limit.passed or (small and not windowed):
+        return first
+    if _explains(first, recordings) and not _spoils(first, base, recordings):
         return first
     known = Known(graph, recordings, noise, _halved(options))
     there = graph.with_parameters(base.values)
@@ -110,7 +122,7 @@ def second_look(
         return first
     least = _whole_error(long, recordings)
     best, reached = first, min(first.error(recordings), least)
-    if reached < CLEARLY * least:
+    if reached < CLEARLY * least and first.is_named:
         return first
     others = () if long is base else (long,)
     for other in (*others, *known.as_stated(long)):
@@ -147,8 +159,20 @@ def _explains(seen: Look, recordings: Sequence[BoundRecording]) -> bool:
     On a machine that integrates, whole recordings may still drift off, and any law that
     bends them back fits.
     """
-    named = any(one.hypothesis.physics != CURVE for one in chosen_in(seen.rounds))
-    return named and remaining(seen.rounds, noise_floor(recordings)) < MUCH_REMAINING
+    return (
+        seen.is_named
+        and remaining(seen.rounds, noise_floor(recordings)) < MUCH_REMAINING
+    )
+
+
+def _spoils(
+    seen: Look, base: FittedModel, recordings: Sequence[BoundRecording]
+) -> bool:
+    """Return whether whole recordings are missed by more than before.
+
+    What explains windows by their initial states, or by a bend, does so.
+    """
+    return seen.error(recordings) > _whole_error(base, recordings)
 
 
 def _halved(options: Options) -> Options:

@@ -20,8 +20,12 @@ from bondgraph.diagnosis.search.horizons import sharpened
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.removal import fitted_with
 from bondgraph.diagnosis.search.round_found import Round, accepted, chosen_in
+from bondgraph.diagnosis.work.limit import Limit
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
+
+MOST_WIDER = 3
+"""So many wider laws at most are fitted to the end beside a narrower one."""
 
 
 def without_needless_parts(
@@ -29,13 +33,19 @@ def without_needless_parts(
     final: FittedModel,
     recordings: Sequence[BoundRecording],
     options: Options,
+    limit: Limit,
 ) -> tuple[list[Round], FittedModel]:
-    """Return the rounds and the final model with plainer laws where they suffice."""
+    """Return the rounds and the final model with plainer laws where they suffice.
+
+    What there is no time to see again stands as it was judged.
+    """
     plain = list(rounds)
     for i, found in enumerate(rounds):
         narrower = _narrower(found)
         if narrower is None or not any(found is one for one in accepted(rounds)):
             continue
+        if limit.passed:
+            break
         elsewhere = _parameters([*plain[:i], *plain[i + 1 :]])
         wider = [
             wide
@@ -44,9 +54,10 @@ def without_needless_parts(
         ]
         finals = {id(found.chosen): final}
         for wide in wider:
-            if id(wide) not in finals:
+            if id(wide) not in finals and not limit.passed:
                 chosen = [*plain[:i], replace(found, chosen=wide), *plain[i + 1 :]]
                 finals[id(wide)] = _sharpened_with(chosen, final, recordings, options)
+        wider = [wide for wide in wider if id(wide) in finals]
         seen = (
             seen_again(wide, narrower, finals[id(wide)], recordings) for wide in wider
         )
@@ -106,14 +117,19 @@ def _narrower(found: Round) -> Judged | None:
 
 
 def _wider(found: Round, narrower: Judged) -> list[Judged]:
-    """Return the supported laws at the place that contain the narrower one."""
-    return [
+    """Return the best supported laws at the place that contain the narrower one.
+
+    The chosen one first, which may be one of them.
+    """
+    wider = [
         j
         for j in found.judged
         if j.support is Support.SUPPORTED
         and j.candidate.hypothesis.contains(narrower.candidate.hypothesis)
         and added_strengths(j, narrower)
     ]
+    wider.sort(key=lambda j: (j is not found.chosen, -j.gain.value))
+    return wider[:MOST_WIDER]
 
 
 def _without(found: Round, narrower: Judged, again: Mapping[int, Judged]) -> Round:

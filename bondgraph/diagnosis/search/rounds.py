@@ -36,6 +36,9 @@ Array = NDArray[np.float64]
 ENDED_EARLY = 0.9
 """A fit that leaves less than this share of the cost shows that another ended early."""
 
+SAMPLES_PER_FINDING = 30
+"""Fewer samples than so many times the findings tell no more than one that bends."""
+
 
 def search(
     base: FittedModel,
@@ -77,9 +80,11 @@ def _searched(
 ) -> list[Round]:
     """Return the rounds of a search that goes on from those that were made already."""
     rounds, noise, authored = list(begun), reached.noise, reached.first.graph.parameters
+    samples = len(reached.first.problem.shots.time)
+    most = min(options.most_findings, max(samples // SAMPLES_PER_FINDING, 1))
     while True:
         number, base, current = len(rounds) + 1, reached.first, reached.current
-        if number > options.most_findings or within(current, noise, options.rule):
+        if number > most or within(current, noise, options.rule):
             return [*rounds, Round(current)]
         if rounds and shop.limit.passed:
             return [*rounds, Round(current, cut_short=True)]

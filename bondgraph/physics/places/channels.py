@@ -38,6 +38,14 @@ class ChannelPlace(Place):
         return False
 
     @property
+    def is_driven(self) -> bool:
+        """Whether some recorded input changes."""
+        places = (
+            InputPlace(self.graph, s.name, self.scales) for s in self.graph.inputs
+        )
+        return any(not place.is_constant for place in places)
+
+    @property
     def peak(self) -> float:
         """The largest size."""
         return max(map(abs, self.range))
