@@ -14,6 +14,7 @@ from bondgraph.diagnosis.answer.leftover import excusable
 from bondgraph.diagnosis.answer.notes import notes_on
 from bondgraph.diagnosis.answer.telling import left_of_whole
 from bondgraph.diagnosis.answer.verdict import (
+    hardly_believed,
     verdict_of,
     without_size,
     worse_held_out,
@@ -262,6 +263,17 @@ def test_a_law_without_a_known_number_is_believed_half():
     stated = [one.probability for one in doubted(told, 0.0)]
     # What is found after it is built on it.
     assert stated == pytest.approx([0.8, 0.8, 0.4, 0.4])
+
+
+@pytest.mark.parametrize(
+    ("sure", "verdict"), [(0.02, Verdict.CANNOT_TELL), (0.3, Verdict.PHYSICS_MISSING)]
+)
+def test_what_the_answer_itself_does_not_believe_is_not_told_as_found(sure, verdict):
+    first, *_ = cart_diagnosis().findings
+    found = [replace(first, probability=sure)]
+    answer, told = hardly_believed(Verdict.PHYSICS_MISSING, "Friction.", found)
+    assert answer is verdict
+    assert ("no more than a guess" in told) == (verdict is Verdict.CANNOT_TELL)
 
 
 def test_a_law_that_was_found_is_not_told_as_left_aside_in_another_form():

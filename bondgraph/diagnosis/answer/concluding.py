@@ -13,6 +13,7 @@ from bondgraph.diagnosis.answer.leftover import noise_floor
 from bondgraph.diagnosis.answer.long_run import off_in_the_long_run
 from bondgraph.diagnosis.answer.verdict import (
     cut_short,
+    hardly_believed,
     not_simulated,
     verdict_of,
     with_undecided,
@@ -61,6 +62,7 @@ def concluded(
         verdict, statement = not_simulated(verdict, statement)
     verdict, statement = worse_held_out(verdict, statement, shown, trained, stretches)
     verdict, statement = without_size(verdict, statement, findings)
+    verdict, statement = hardly_believed(verdict, statement, findings)
     verdict, statement = cut_short(verdict, statement, rounds)
     if verdict is Verdict.ADEQUATE:
         off = off_in_the_long_run(base, recordings, floor)

@@ -16,6 +16,9 @@ from bondgraph.fitting.estimate import FittedModel
 MOST_REMAINING = 0.5
 """Findings that leave more than this share of the error have not found the cause."""
 
+GUESS = 0.05
+"""What is less probable is not told as found."""
+
 HALVED, UNMOVED = 0.5, 0.95
 """What halves the errors it was fitted to and leaves so much of held-out ones fits."""
 
@@ -187,6 +190,19 @@ def without_size(
     )
     first = hollow[0] is findings[0]
     return (Verdict.UNEXPLAINED if first else verdict), told
+
+
+def hardly_believed(
+    verdict: Verdict, statement: str, findings: Sequence[Finding]
+) -> tuple[Verdict, str]:
+    """Return the verdict where the answer itself believes nothing of what it found."""
+    sure = [one.probability for one in findings if one.probability is not None]
+    if verdict is not Verdict.PHYSICS_MISSING or not sure or max(sure) >= GUESS:
+        return verdict, statement
+    return Verdict.CANNOT_TELL, (
+        f"{statement} But that is no more than a guess: other laws do nearly as well, "
+        "or much remains beside it."
+    )
 
 
 def cut_short(

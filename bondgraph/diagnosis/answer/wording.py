@@ -85,10 +85,8 @@ def finding_statement(
         )
         numbers = ""
     else:
-        opening = (
-            f"{_capital(name_of(chosen.physics))} at {chosen.place} {SURE}: "
-            f"{hypothesis.words}"
-        )
+        name = _form_of(chosen.physics, estimates)
+        opening = f"{_capital(name)} at {chosen.place} {SURE}: {hypothesis.words}"
     text = f"{opening} ({numbers})." if numbers else f"{opening.rstrip('.')}."
     if places:
         text += f" These recordings do not tell {chosen.place} from {listed(places)}."
@@ -102,6 +100,12 @@ def finding_statement(
             f" It is weak: it explains {100 * chosen.gain.value:.0f} % of the error."
         )
     return text
+
+
+def _form_of(physics: str, estimates: Sequence[Estimate]) -> str:
+    """Return the name of a law of which the sign of a number makes another thing."""
+    softens = any(e.name.startswith("cubic") and e.value < 0.0 for e in estimates)
+    return "a spring that softens" if softens else name_of(physics)
 
 
 def hedged(statement: str) -> str:
