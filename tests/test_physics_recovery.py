@@ -222,7 +222,7 @@ CASES = [
         "slider",
         "BoucWenHysteresis",
         "carriage",
-        {"hysteresis": 0.5, "presliding": 0.01, "hysteresis_share": 0.7},
+        {"hysteresis": 0.5, "presliding": 0.01, "hysteresis_skew": 0.4},
     ),
     Case(
         "wheel",

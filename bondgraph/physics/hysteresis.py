@@ -1,9 +1,9 @@
 """Friction with memory: an effort that depends on the way it came.
 
-The memory z lies between -1 and 1. It follows the flow until it saturates, over a
-distance w, the presliding: z' = (f - |f| z) / w. The effort is s z. It stores s w z²/2
-and takes out s |f| z² >= 0, so it only ever loses power. Motion that goes one way only
-shows no memory: there it is Coulomb friction, or a late start.
+The memory z of Dahl's law lies between -1 and 1. It follows the flow until it
+saturates, over a distance w, the presliding: z' = (f - |f| z) / w. The effort is s z.
+It stores s w z²/2 and takes out s |f| z² >= 0, so it only ever loses power. Motion that
+goes one way only shows no memory: there it is Coulomb friction, or a late start.
 """
 
 from collections.abc import Iterator
@@ -19,6 +19,9 @@ from bondgraph.structure.signals import displacement, flow
 
 SHARES = (0.03, 0.1, 0.4)
 """Presliding distances that fits start from, in typical displacements."""
+
+SKEWS = (*(0.0,) * len(SHARES), *(0.25,) * len(SHARES), -0.5)
+"""Starts of r beside those: at -1 a loop is loaded along a straight line."""
 
 LONGEST = 0.5
 """Of the distance travelled: a memory that is never used up is a spring's."""
@@ -66,8 +69,9 @@ class DahlHysteresis(AbstractPhysics):
 class BoucWenHysteresis(DahlHysteresis):
     """Hysteresis whose loops are not alike in loading and unloading.
 
-    z' = (f - b |f| z - (1 - b) f |z|) / w, which is Dahl's at b = 1; b >= 1/2 keeps it
-    from giving power.
+    z' = (f - |f| z - r f |z|) / w, which is Dahl's at r = 0. It never gives power: for
+    r <= 1 some V(z) grows no faster than z f, with 1 / V' between (1 - (1 + r) z) / w z
+    and (1 + (1 - r) z) / w z. Below -1 the loops grow stiffer as they are loaded.
     """
 
     reference = "Bouc 1967; Wen, J. Engineering Mechanics 102, 1976; Ismail et al. 2009"
@@ -82,11 +86,10 @@ class BoucWenHysteresis(DahlHysteresis):
         name = place.name_of("memory")
         z, rate = displacement(name), flow(place.name)
         size, way = _size_and_way(place)
-        share = place.shape("hysteresis_share", "1", (0.8,), low=0.5, high=1.0)
-        taken = share.symbol * sympy.Abs(rate) * z
-        taken = taken + (1 - share.symbol) * rate * sympy.Abs(z)
+        skew = place.shape("hysteresis_skew", "1", SKEWS, low=-3.0, high=1.0)
+        taken = sympy.Abs(rate) * z + skew.symbol * rate * sympy.Abs(z)
         state = SignalState(name, (rate - taken) / way.symbol)
-        coefficients = (size, way, share)
+        coefficients = (size, way, skew)
         yield self._with_memory(place, state, size, coefficients, ("hysteresis",))
 
 

@@ -48,8 +48,10 @@ class Radiation(AbstractPhysics):
         yield self.hypothesis(place, edit, law, (k, room, zero), words)
 
 
-BODIES_WARM = 2.0
-"""Seconds: no bearing, damper or filter is warm, or dirty, sooner than that."""
+FILAMENTS_WARM, BODIES_WARM = 0.05, 2.0
+"""Seconds: no wire is warm sooner than the first; no bearing, damper or filter is warm,
+or dirty, sooner than the second.
+"""
 
 
 class TemperatureDependentResistance(AbstractPhysics):
@@ -77,9 +79,9 @@ class TemperatureDependentResistance(AbstractPhysics):
             yield self._by_use(place)
 
     def _quickest(self, place: ElementPlace) -> float:
-        """Return the least time in which it may warm: a filament does so at once."""
-        least = 0.003 * place.scales.stretch
-        return least if place.domain == ELECTRICAL else max(least, BODIES_WARM)
+        """Return the least time in which it may warm."""
+        least = FILAMENTS_WARM if place.domain == ELECTRICAL else BODIES_WARM
+        return max(least, 0.003 * place.scales.stretch)
 
     def _by_place(self, place: ElementPlace) -> Hypothesis:
         temperature = _mean_temperature(place)

@@ -306,7 +306,7 @@ SCENES: Mapping[str, Scene] = {
     "BoucWenHysteresis": Scene(
         **{**_PUSHED, "across": "displacement(carriage)"},
         up="-effort(*)",
-        values={"hysteresis": 4.0, "presliding": 0.3, "hysteresis_share": 0.55},
+        values={"hysteresis": 4.0, "presliding": 0.3, "hysteresis_skew": 0.8},
     ),
     "Cogging": Scene(
         **_TURNED,

@@ -37,9 +37,10 @@ from bondgraph.physics.hypothesis import Hypothesis
 Array = NDArray[np.float64]
 
 MUCH = 0.5
-"""A residual of which so much is not noise, and for which no named law is found, is
-looked at again: what remembers promises little from afar, for it changes what all other
-numbers are. Behind a first finding that would cost more than it has ever shown.
+"""A residual of which so much is not noise, and of which no law with a name takes away
+so much, is looked at again: what remembers promises little from afar, for it changes
+what all other numbers are. Behind a first finding that would cost more than it has ever
+shown.
 """
 
 FAR_AWAY = 10.0
@@ -131,11 +132,16 @@ def _beside(candidate: Candidate, found: Sequence[Hypothesis]) -> Candidate:
 
 
 def _suffices(seen: "_Seen", setting: Setting) -> bool:
-    """Return whether a law with a name was found, and not only from far away."""
+    """Return whether a law with a name was found that is most of it.
+
+    And, of a model that has run away, not only from far away.
+    """
     chosen = seen.verdicts.chosen
     if chosen is None or not seen.has_named:
         return False
     base, fitted = setting.base, chosen.candidate.fitted
+    if left_beside(base, fitted, setting.noise) > MUCH:
+        return False
     if not run_away(base, FAR_AWAY) or explainable(fitted, setting.noise) <= MUCH:
         return True
     return left_beside(base, fitted, setting.noise) <= LITTLE
