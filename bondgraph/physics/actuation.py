@@ -9,6 +9,7 @@ from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Place
 from bondgraph.physics.places.channels import InputPlace
 from bondgraph.physics.slips import SLIPS, own_values
+from bondgraph.structure.domains import ANALOGUE
 from bondgraph.structure.edits import SignalState
 from bondgraph.structure.signals import displacement
 
@@ -38,8 +39,10 @@ class InputScale(AbstractPhysics):
             words = f"{place.name} is recorded {slip}"
             slipped = self.hypothesis(place, edit, law, (fixed,), words)
             yield replace(slipped, starts=(own_values(place),))
+        if place.domain == ANALOGUE or place.is_constant:
+            return
         for other in place.of_its_kind:
-            if not place.is_constant and not other.is_constant:
+            if not other.is_constant:
                 yield self._with_less_beside(place, other)
 
     def _with_less_beside(self, place: InputPlace, other: InputPlace) -> Hypothesis:

@@ -115,16 +115,18 @@ class DirectionDependentFriction(AbstractPhysics):
     signature = "Coulomb friction beside a constant bias, which in motion is the same"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it where no fitted constant source sits, and one that depends on speed.
+        """Yield it where no fitted constant source sits.
 
-        Beside one it says nothing of its own: in motion the two are the same.
+        Beside one it says nothing of its own: in motion the two are the same. Of a
+        steady table also one that is another where it is slow.
         """
         if not isinstance(place, OneJunctionPlace) or not self.suits(place):
             return
         if place.has_free_bias:
             return
         yield self._constant(place)
-        yield self._otherwise_when_slow(place)
+        if place.is_steady:
+            yield self._otherwise_when_slow(place)
 
     def _constant(self, place: OneJunctionPlace) -> Hypothesis:
         sizes = (0.0, 0.3 * place.effort)

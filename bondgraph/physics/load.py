@@ -32,16 +32,17 @@ class LoadDependentFriction(AbstractPhysics):
     domains = MECHANICAL
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield three per load at a 1-junction.
+        """Yield two per load at a 1-junction: without and with a constant part.
 
-        Without and with a constant part, and with another size where it is slow.
+        Of a steady table also one that is another where it is slow.
         """
         if not isinstance(place, OneJunctionPlace) or not self.suits(place):
             return
         for load in _loads(place):
             yield self._law(place, load, constant=False)
             yield self._law(place, load, constant=True)
-            yield self._otherwise_when_slow(place, load)
+            if place.is_steady:
+                yield self._otherwise_when_slow(place, load)
 
     def _otherwise_when_slow(
         self, place: OneJunctionPlace, load: "_Load"

@@ -79,6 +79,11 @@ class JunctionPlace(Place):
         return self.scales.at(Quantity.FLOW, self.name)
 
     @property
+    def is_steady(self) -> bool:
+        """Whether a table of operating points tells how slow it has been here."""
+        return math.isfinite(self.least_flow)
+
+    @property
     def least_flow(self) -> float:
         """The least flow other than none in a steady table; infinite without one."""
         name = flow(self.name).name
