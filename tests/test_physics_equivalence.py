@@ -17,8 +17,7 @@ from bondgraph.structure.signals import Signal
 def words_at(graph: FinishedGraph) -> set[str]:
     """Return what the library proposes for a graph, at any place.
 
-    A store behind a resistance, or amid one, has the word of a store, and is no twin;
-    nor is a friction that levels off the twin of one in proportion.
+    A store behind a resistance, or amid one, has the word of a store, and is no twin.
     """
     plain = [
         physics
@@ -30,7 +29,6 @@ def words_at(graph: FinishedGraph) -> set[str]:
         for place in all_places(graph, Scales())
         for physics in plain
         for hypothesis in physics.propose(place)
-        if "levels off" not in hypothesis.words
     }
 
 

@@ -69,13 +69,6 @@ def heights(stem: str, values: tuple[float, ...]) -> dict[str, float]:
 
 CASES = [
     Case("wheel", "ViscousFriction", "shaft", {"viscous": 0.05}),
-    Case(
-        "wheel",
-        "ViscousFriction",
-        "shaft",
-        {"viscous": 0.4, "levelling_flow": 0.5},
-        1,
-    ),
     Case("wheel", "CoulombFriction", "shaft", {"coulomb": 0.2}),
     Case("dc_drive", "VoltageDrop", "winding", {"drop": 0.3}),
     Case("geared_arm", "LoadDependentFriction", "joint", {"mu": 0.15}),

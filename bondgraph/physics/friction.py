@@ -24,43 +24,22 @@ class ViscousFriction(AbstractPhysics):
     """Effort proportional to flow."""
 
     word = "viscous_friction"
-    reference = (
-        "Newton's law of viscosity; Ohm's law; Hagen-Poiseuille; where it levels off, "
-        "Eyring 1936"
-    )
+    reference = "Newton's law of viscosity; Ohm's law; Hagen-Poiseuille"
     passivity = Passivity.DISSIPATIVE
     signature = "motion dies out faster the faster it is; taken for a larger resistance"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it where no fitted linear R sits already, and one that levels off."""
+        """Yield it where no fitted linear R sits already."""
         if not isinstance(place, OneJunctionPlace):
             return
-        if not place.has_free_linear(Resistance):
-            yield self._in_proportion(place)
-        if place.domain in MECHANICAL | FLUID:
-            yield self._levelling_off(place)
-
-    def _in_proportion(self, place: OneJunctionPlace) -> Hypothesis:
+        if place.has_free_linear(Resistance):
+            return
         some = 0.2 * place.effort / place.flow
         b = place.strength("viscous", place.unit(E, F), (0.0, some), low=0.0)
         law = b.symbol * f
         element = Resistance(place.name_of(self.word), law=law)
         words = f"{place.a(E)} proportional to {place.domain.flow}"
-        return self.hypothesis(place, place.insert(element, b), law, (b,), words)
-
-    def _levelling_off(self, place: OneJunctionPlace) -> Hypothesis:
-        """Return what thins as it is sheared: grease, harmonic drives, soft seals."""
-        speeds = (0.1 * place.flow, 0.4 * place.flow)
-        some = tuple(0.2 * place.effort / speed for speed in speeds)
-        b = place.strength("viscous", place.unit(E, F), (0.0, 0.0, *some), low=0.0)
-        low = 0.02 * place.flow
-        at = place.shape("levelling_flow", place.unit(F), speeds * 2, low=low)
-        law = b.symbol * f / (1 + sympy.Abs(f) / at.symbol)
-        element = Resistance(place.name_of(self.word), law=law)
-        words = f"{place.a(E)} that rises with {place.domain.flow} and levels off"
-        edit = place.insert(element, b, at)
-        extends = (self.word,)
-        return self.hypothesis(place, edit, law, (b, at), words, extends=extends)
+        yield self.hypothesis(place, place.insert(element, b), law, (b,), words)
 
 
 class CoulombFriction(AbstractPhysics):
