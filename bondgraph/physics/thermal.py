@@ -73,15 +73,13 @@ class TemperatureDependentResistance(AbstractPhysics):
             return
         if not isinstance(place.element, Resistance) or place.element.law is not None:
             return
-        if place.domain == THERMAL:
-            yield self._by_place(place)
-        elif self._quickest(place) < place.scales.stretch:
-            yield self._by_use(place)
+        yield self._by_place(place) if place.domain == THERMAL else self._by_use(place)
 
     def _quickest(self, place: ElementPlace) -> float:
-        """Return the least time in which it may warm."""
+        """Return the least time in which it may warm, as far as windows tell it."""
         least = FILAMENTS_WARM if place.domain == ELECTRICAL else BODIES_WARM
-        return max(least, 0.003 * place.scales.stretch)
+        stretch = place.scales.stretch
+        return max(0.003 * stretch, least if least < stretch else 0.0)
 
     def _by_place(self, place: ElementPlace) -> Hypothesis:
         temperature = _mean_temperature(place)
