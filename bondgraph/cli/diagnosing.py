@@ -160,7 +160,8 @@ def _told(session: Session, diagnosis: Diagnosis) -> Iterator[str]:
     if estimates:
         curves = () if session.verbose else _of_curves(diagnosis)
         told = [one for one in estimates if one.name not in curves]
-        yield "Parameters of the model handed on, fitted to all recordings"
+        all_of = "all" if diagnosis.fit_all else "the training"
+        yield f"Parameters of the model handed on, fitted to {all_of} recordings"
         yield estimates_table(told, **table_style(session))
         if curves:
             yield f"and {len(curves)} of drawn curves: -v, the page and the JSON\n"

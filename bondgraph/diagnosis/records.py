@@ -160,7 +160,7 @@ class Diagnosis:
         The base model and the improved one, fitted to the training recordings.
     fit_all
         The improved model refitted on all recordings once everything was chosen and
-        shown; the one to use from here.
+        shown; the one to use from here. None where time ran out.
     next_experiment
         In words, what would separate what could not be told apart; empty where
         everything was.

@@ -48,8 +48,12 @@ def answer(
     final: FittedModel,
     options: Options,
 ) -> Diagnosis:
-    """Return the diagnosis that the rounds of a search amount to."""
-    base, final = rounds[0].base, told_finely(final)
+    """Return the diagnosis that the rounds of a search amount to.
+
+    Where time has run out the model is handed on as it is, fitted to what trains.
+    """
+    late = any(one.cut_short for one in rounds)
+    base, final = rounds[0].base, final if late else told_finely(final)
     before, after = report(base, graph, recordings), report(final, graph, recordings)
     made = accepted(rounds)
     told, others = findings_of(rounds, after, held_out, options)
@@ -63,6 +67,7 @@ def answer(
     verdict, statement = concluded(
         rounds, findings, wrong, left, shown, trained, stretches, recordings, options
     )
+    everything = (*recordings, *held_out)
     close = left_close(rounds, others, verdict)
     experiment, undesigned = (
         (None, ()) if close is None else designed(close, recordings)
@@ -86,7 +91,7 @@ def answer(
         blame=_blame(rounds[0]),
         fit_before=before,
         fit_after=after,
-        fit_all=_delivered(graph, final, (*recordings, *held_out), options),
+        fit_all=None if late else _delivered(graph, final, everything, options),
         traces=traces(base, final, held_out),
         recovered=tuple(law for law in laws if law is not None),
         notes=(
@@ -96,7 +101,7 @@ def answer(
             *untried(graph, verdict),
             *notes_on(rounds, after, options),
         ),
-        complete=not any(one.cut_short for one in rounds),
+        complete=not late,
         provenance=provenance(recordings, held_out, options, final),
     )
 
