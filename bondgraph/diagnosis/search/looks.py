@@ -133,12 +133,23 @@ def second_look(
         seen = replace(seen, final=known.released(seen.final))
         error = seen.error(recordings)
         clean = bool(accepted(first.rounds)) or _as_windows(seen, base, recordings)
-        # A law with a name is told in place of a curve that does no better.
-        named = seen.is_named and not best.is_named and bool(accepted(best.rounds))
-        enough = 1.0 / CLEARLY if named else CLEARLY
-        if accepted(seen.rounds) and clean and error < enough * reached:
+        if accepted(seen.rounds) and clean and is_better(seen, error, best, reached):
             best, reached = seen, error
     return best
+
+
+def is_better(seen: Look, error: float, best: Look, reached: float) -> bool:
+    """Return whether a look explains whole recordings better than the best until then.
+
+    Clearly; but a law with a name is told in place of a curve that does no better.
+
+    Parameters
+    ----------
+    error, reached
+        What each leaves of whole recordings.
+    """
+    named = seen.is_named and not best.is_named and bool(accepted(best.rounds))
+    return error < (1.0 / CLEARLY if named else CLEARLY) * reached
 
 
 def _as_windows(
