@@ -1,0 +1,70 @@
+"""What ``bondgraph fit`` says beside the estimates: channels, bounds, steps."""
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from bondgraph.cli.program import program
+
+STEP, MASS, VISCOUS = 0.02, 2.0, 1.0
+
+MODEL = '''"""A cart that is pushed."""
+from bondgraph import BondGraph, I, R, Se
+
+
+def cart():
+    g = BondGraph("cart", domain="translation")
+    g.one("cart", Se("force"), I("mass"), R("viscous"))
+    g.measure("velocity", flow="cart")
+    g.parameter("mass", 1.9, "kg", bounds=(0.5, HIGH))
+    g.parameter("viscous", 0.8, "N*s/m", bounds=(0.0, 10.0))
+    return g
+'''
+
+
+def recorded(path, every):
+    """Write a recording of a force that changes at every so many samples."""
+    random = np.random.default_rng(3)
+    samples = 1000
+    force = np.repeat(random.uniform(-1.0, 1.0, samples // every), every)
+    kept = np.exp(-STEP * VISCOUS / MASS)
+    velocity = np.zeros(samples)
+    for k in range(samples - 1):
+        velocity[k + 1] = kept * velocity[k] + (1.0 - kept) / VISCOUS * force[k]
+    velocity += 1e-3 * random.standard_normal(samples)
+    columns = np.column_stack((STEP * np.arange(samples), force, velocity))
+    header = "time [s],force [N],velocity [m/s]"
+    np.savetxt(path, columns, delimiter=",", header=header, comments="")
+    return path
+
+
+@pytest.fixture
+def told(tmp_path):
+    def fitted(high, every, *options):
+        model = tmp_path / "cart.py"
+        model.write_text(MODEL.replace("HIGH", str(high)), "utf-8")
+        run = recorded(tmp_path / "run.csv", every)
+        words = ["fit", str(model), str(run), *options]
+        result = CliRunner().invoke(program, words, catch_exceptions=False)
+        assert result.exit_code == 0
+        return result.stdout
+
+    return fitted
+
+
+def test_errors_are_told_by_channel_in_its_unit(told):
+    said = told(10.0, 25, "--hold", "zero")
+    assert "(velocity 0.00" in said
+    assert "m/s rms)" in said
+    assert "bound" not in said
+
+
+def test_a_parameter_at_its_bound_is_told(told):
+    said = told(1.95, 25, "--hold", "zero")
+    assert "mass ended at its bound of 1.95 kg" in said
+
+
+def test_an_input_in_steps_that_is_joined_by_lines_is_told(told):
+    assert "--hold zero holds them" in told(10.0, 25)
+    assert "--hold zero holds them" not in told(10.0, 25, "--hold", "zero")
+    assert "--hold zero holds them" not in told(10.0, 1)
