@@ -19,7 +19,12 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import NullFormatter
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from benchmarks.flegx_story.telling import Telling, Told, tellings
+from benchmarks.flegx_story.telling import (
+    Telling,
+    Told,
+    model_and_concealed,
+    tellings,
+)
 from benchmarks.flegx_story.zeros import found_zero, printed_zero, tuned_zero
 from flegx_models.tuned_zeros import identified_friction, tuning_tests
 
@@ -36,13 +41,15 @@ ALONE_FIRST = ("worm", "tendons", "link", "filter", "all")
 
 def wording(name: str) -> str:
     """Return a case's name in words."""
-    limb, phase, which = name.split("_", 2)
+    model, which = model_and_concealed(name)
+    limb, phase = model.split("_")
     limb = {"lowerleg": "lower leg", "upperleg": "upper leg"}[limb]
-    return f"{limb}, {phase}, {'all' if which == 'all' else which + ' alone'}"
+    gauged = ", gauged" if name.endswith("_gauged") else ""
+    return f"{limb}, {phase}, {'all' if which == 'all' else which + ' alone'}{gauged}"
 
 
 def order(one: Telling) -> tuple[int, str]:
-    return ALONE_FIRST.index(one.name.split("_", 2)[2]), one.name
+    return ALONE_FIRST.index(model_and_concealed(one.name)[1]), one.name
 
 
 def found_and_concealed(axes: Axes, told: list[Telling]) -> None:

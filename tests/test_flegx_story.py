@@ -103,6 +103,22 @@ def test_the_worm_at_rest_carries_the_weight(concealed):
     assert train.WORM * load == pytest.approx(KNEE_IN_STANCE.load)
 
 
+@pytest.mark.parametrize("concealed", [Concealed(), ALL], ids=lambda one: one.name)
+def test_both_gauges_balance_what_the_joint_takes(concealed):
+    drive = machine(KNEE_IN_STANCE, concealed, gauged=True)
+    n = drive.coordinates
+    state = 0.01 * np.arange(1.0, 2 * n + drive.stores + 1)
+    q, v, z = np.split(state, [n, 2 * n])
+    acceleration = _rates(drive, state, torque=0.02)[0][n : 2 * n]
+    numbers = np.array([number.value for number in drive.numbers])
+    read = np.zeros(3)
+    train.readings.py_func(q, v, z, np.array([0.02]), numbers, acceleration, read)
+    joint = 1 if concealed.tendons else 0
+    taken = leg.VISCOUS * v[joint] + KNEE_IN_STANCE.inertia * acceleration[joint]
+    _, torque, link = read
+    assert torque + link == pytest.approx(taken)
+
+
 def test_dry_friction_moves_the_zero_and_not_the_loop():
     test = tuning_tests()[2]
     graph = getattr(models, test.model)().finish()
@@ -183,3 +199,4 @@ def test_a_finding_stands_for_one_piece_and_what_else_is_said_is_told(tmp_path):
     assert telling(answer).pieces["tendons"] is Told.SILENT
     assert "compliance at K_worm_gear (no size)" in telling(answer).beside
     assert concealed_in("upperleg_flight_all") == ("worm", "link", "filter")
+    assert concealed_in("upperleg_flight_all_gauged") == ("worm", "link", "filter")

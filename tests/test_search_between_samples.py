@@ -5,8 +5,9 @@ import pytest
 from scipy.signal import lfilter
 
 from bondgraph import BondGraph, I, R, Recording, Se, bind_to
-from bondgraph.diagnosis.search.between_samples import finely_stepped, told_finely
+from bondgraph.diagnosis.search.between_samples import finely_stepped
 from bondgraph.fitting.estimate import FitSettings, fit_model
+from bondgraph.fitting.fine_steps import told_finely
 from bondgraph.simulation.solvers import Hold, Sdirk2
 
 STEP, RESISTANCE, INDUCTANCE, NOISE = 2.5e-3, 2.0, 1.2e-3, 3e-3

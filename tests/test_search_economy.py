@@ -8,7 +8,6 @@ import pytest
 from bondgraph import BondGraph, I, R, Recording, Se, bind_to
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.between_samples import simulated_as
 from bondgraph.diagnosis.search.candidates import Promised
 from bondgraph.diagnosis.search.fits import fit_best
 from bondgraph.diagnosis.search.posing import coarse
@@ -16,6 +15,7 @@ from bondgraph.diagnosis.search.steps import coarser
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model
+from bondgraph.fitting.fine_steps import simulated_as
 from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.physics.drag import QuadraticDrag
 from bondgraph.physics.places.everywhere import all_places

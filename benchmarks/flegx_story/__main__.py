@@ -17,7 +17,7 @@ ALONE_IN = "lowerleg_stance"
 def make(folder: Path, samples: int) -> None:
     """Write the cases: each drive with all that is concealed, one with each alone.
 
-    With all, also as the leg's torque sensor sees it.
+    With all, also as the leg's torque sensor and strain gauges see it.
     """
     for joint in JOINTS:
         write_case(folder, joint, ALL, SEED, samples)

@@ -51,7 +51,7 @@ ENCODER = Sensor(
 GAUGE = Sensor(name="torque", unit="N*m", noise=0.05, step=60.0 / 2**12)
 """The torque sensor between worm gear and joint (section 2.1.3); noise chosen."""
 LINK_GAUGE = Sensor(name="link", unit="N*m", noise=0.05, step=60.0 / 2**12)
-"""The strain gauges of the flexible link, read as the torque in it; noise chosen."""
+"""The strain gauges of the link, read as its torque on the joint; noise chosen."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,7 +119,7 @@ ALONE = tuple(Concealed(**{name: True}) for name in Concealed.__slots__)
 def machine(joint: Joint, concealed: Concealed, *, gauged: bool = False) -> Machine:
     """Return the drive of `joint` as the simulator knows it.
 
-    ``gauged`` where the leg's own torque sensor is recorded too.
+    ``gauged`` where the leg's torque sensor and strain gauges are recorded too.
     """
     inertias, springs, dampers = [MOTOR_SIDE], [], []
     tendons = concealed.tendons and joint.tendons

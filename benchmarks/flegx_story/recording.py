@@ -25,7 +25,7 @@ MODEL = '''"""{title}, as printed; motor inertia and bearing friction are fitted
 
 from dataclasses import replace
 
-from bondgraph import BondGraph, ParameterSet, effort
+from bondgraph import BondGraph, ParameterSet
 from flegx_models import models
 from flegx_models.parameters import RECONCILED
 
@@ -43,7 +43,7 @@ GAUGED = """    drive = models.{model}(ParameterSet(known))
     drive.measure("torque", effort="K_worm_gear>joint")
 {link}    return drive
 """
-LINK = """    drive.measure("link", -effort("K_support>joint"), unit="N*m")
+LINK = """    drive.measure("link", effort="K_support>joint")
 """
 
 

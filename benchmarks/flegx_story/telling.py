@@ -62,10 +62,19 @@ class Telling:
     after: float
 
 
+def model_and_concealed(name: str) -> tuple[str, str]:
+    """Return the printed model of a case and what it conceals: a piece, or ``all``.
+
+    Whatever sensors it was recorded with.
+    """
+    limb, phase, which = name.removesuffix("_gauged").split("_", 2)
+    return f"{limb}_{phase}", which
+
+
 def concealed_in(name: str) -> tuple[str, ...]:
     """Return the pieces that a case's name stands for."""
-    limb, phase, which = name.split("_", 2)
-    (joint,) = (one for one in JOINTS if one.model == f"{limb}_{phase}")
+    model, which = model_and_concealed(name)
+    (joint,) = (one for one in JOINTS if one.model == model)
     pieces = RIGHT if which == "all" else (which,)
     return tuple(one for one in pieces if joint.tendons or one != "tendons")
 

@@ -88,4 +88,4 @@ def readings(q, v, z, u, p, acceleration, y):
     if y.size > 1:
         y[1] = passed_on(q, v, u, p, acceleration)
     if y.size > 2:
-        y[2] = carried(q, v, p, acceleration)
+        y[2] = -carried(q, v, p, acceleration)

@@ -12,6 +12,7 @@ from benchmarks.flegx_story.shaping import (
     rubbed,
     speed_of_the_test,
 )
+from benchmarks.flegx_story.telling import model_and_concealed
 from benchmarks.flegx_story.train import RATIO, WORM
 from bondgraph import Design, load_model
 from flegx_models import models
@@ -52,11 +53,11 @@ def found_zero(answer: Path) -> FoundZero | None:
     ratio = RATIOS[one["place"]]
     text = answer.with_suffix(".py")
     text.write_text(told["model"], "utf-8")
-    limb, phase, concealed = answer.stem.split("_", 2)
-    speed = ratio * speed_of_the_test(f"{limb}_{phase}")
+    model, concealed = model_and_concealed(answer.stem)
+    speed = ratio * speed_of_the_test(model)
     plant = plant_of(rubbed(load_model(f"{text}:model"), one["element"], size, speed))
     behind_the_filter = concealed in ("all", "filter")
-    design = designed(f"{limb}_{phase}", plant, filtered=not behind_the_filter)
+    design = designed(model, plant, filtered=not behind_the_filter)
     return FoundZero(friction=ratio * size, design=design)
 
 

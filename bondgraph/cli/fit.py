@@ -1,12 +1,11 @@
 """``bondgraph fit``: parameters with what is known of them afterwards."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import click
 
 from bondgraph.cli.command import Command, json_option
-from bondgraph.cli.fit_options import IN_STEPS, estimation_options, fit_options
+from bondgraph.cli.fit_options import estimation_options, fit_options, hint_at_steps
 from bondgraph.cli.inputs import (
     model_argument,
     read_model,
@@ -16,16 +15,14 @@ from bondgraph.cli.inputs import (
 from bondgraph.cli.reading_options import Reading, recording_options
 from bondgraph.cli.session import Session
 from bondgraph.cli.terminal import table_style
-from bondgraph.diagnosis.work.clock import Progress
 from bondgraph.errors import FitError
-from bondgraph.fitting.estimate import FitSettings, fit
+from bondgraph.fitting.estimate import FitSettings, fit_model, report
+from bondgraph.fitting.fine_steps import told_finely
 from bondgraph.fitting.identifiability import identifiability
 from bondgraph.fitting.profile import Profile, profile
 from bondgraph.fitting.result import FitResult, FitStatus
 from bondgraph.fitting.solver_error import SolverError, SolverErrorStatus
-from bondgraph.fitting.step_error import MOST_SUBSTEPS
 from bondgraph.recordings.binding import BoundRecording
-from bondgraph.recordings.commands import go_in_steps
 from bondgraph.reporting.diagnosis_json import json_value
 from bondgraph.reporting.model_text import to_python
 from bondgraph.reporting.tables import INTERVAL, estimates_table
@@ -35,7 +32,6 @@ from bondgraph.reporting.wording import (
     unit_words,
     with_unit,
 )
-from bondgraph.simulation.solvers import Hold
 from bondgraph.structure.graph import FinishedGraph
 
 
@@ -91,7 +87,8 @@ def command(
     bound = read_recordings(recordings, graph, reading)
     with session.progress(loops=True) as progress:
         progress(f"fitting {graph.name}")
-        result = _finely_stepped(graph, bound, settings, progress)
+        fitted = told_finely(fit_model(graph, bound, settings))
+        result = report(fitted, graph, bound)
     if result.status is FitStatus.SIMULATION_FAILED:
         raise FitError(
             f"{graph.name!r} cannot be simulated at its start values.",
@@ -108,8 +105,7 @@ def command(
         session.say(intervals)
         session.say()
     session.say("\n".join(_known(result, graph, bound)))
-    if settings.hold is Hold.FIRST and go_in_steps(bound):
-        session.hint(IN_STEPS)
+    hint_at_steps(session, settings, bound)
     if result.unidentifiable:
         session.hint(
             "What is known of a parameter beforehand may be said in the model: "
@@ -126,29 +122,6 @@ def command(
         session.write(output, to_python(result.model))
     session.deliver(json_file, _plain(result, profiles))
     return 0 if result.status is FitStatus.CONVERGED else 1
-
-
-def _finely_stepped(
-    graph: FinishedGraph,
-    bound: Sequence[BoundRecording],
-    settings: FitSettings,
-    progress: Progress,
-) -> FitResult:
-    """Return the fit with steps so fine that half of one moves no estimate by much."""
-    result = fit(graph, bound, settings=settings)
-    fitted, error = result.fitted, result.solver_error
-    while (
-        fitted is not None
-        and error is not None
-        and error.status is SolverErrorStatus.COARSE
-        and fitted.problem.solver.substeps < MOST_SUBSTEPS
-    ):
-        solver = fitted.problem.solver
-        finer = replace(solver, substeps=2 * solver.substeps)
-        progress(f"again, in {finer.substeps} steps a sample")
-        result = fit(graph, bound, settings=replace(settings, solver=finer))
-        fitted, error = result.fitted, result.solver_error
-    return result
 
 
 def _intervals(result: FitResult) -> Iterator[str]:

@@ -4,7 +4,7 @@ How long at a stretch and what lies between two samples of an input; for fits al
 a residual costs, how the noise is coloured, and from how many starts.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import wraps
 from typing import Any, TypeVar
@@ -12,11 +12,14 @@ from typing import Any, TypeVar
 import click
 
 from bondgraph.cli.command import OneOf, WholeNumber, positive_number
+from bondgraph.cli.session import Session
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.fitting.horizon import Automatic, Horizon, Seconds, WholeRecordings
 from bondgraph.fitting.loss import Huber, Loss, SquaredError, StudentT
 from bondgraph.fitting.noise import AutoregressiveNoise, Noise, WhiteNoise
 from bondgraph.fitting.starts import ManyStarts, OneStart
+from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.commands import go_in_steps
 from bondgraph.simulation.solvers import Hold
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -26,10 +29,6 @@ _LOSSES: dict[str, Loss] = {
     "student": StudentT(),
 }
 _NOISES: dict[str, Noise] = {"white": WhiteNoise(), "coloured": AutoregressiveNoise()}
-IN_STEPS = (
-    "The inputs stay the same from most samples to the next, as commands do, and are "
-    "joined by lines here: --hold zero holds them."
-)
 _HOLDS = {"zero": Hold.ZERO, "first": Hold.FIRST}
 
 
@@ -146,3 +145,14 @@ def estimation_options(command: F) -> F:
     ):
         with_choices = option(with_choices)
     return with_choices  # type: ignore[return-value]
+
+
+def hint_at_steps(
+    session: Session, settings: FitSettings, recordings: Sequence[BoundRecording]
+) -> None:
+    """Say that inputs go in steps, where they are joined by lines."""
+    if settings.hold is Hold.FIRST and go_in_steps(recordings):
+        session.hint(
+            "The inputs stay the same from most samples to the next, as commands do, "
+            "and are joined by lines here: --hold zero holds them."
+        )

@@ -9,7 +9,7 @@ import click
 import numpy as np
 
 from bondgraph.cli.command import Command, json_option
-from bondgraph.cli.fit_options import IN_STEPS, fit_options
+from bondgraph.cli.fit_options import fit_options, hint_at_steps
 from bondgraph.cli.inputs import (
     model_argument,
     read_model,
@@ -21,13 +21,11 @@ from bondgraph.cli.session import Session
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.fitting.simulate import Solution, SolveStatus, simulate
-from bondgraph.recordings.commands import go_in_steps
 from bondgraph.recordings.names import join_header
 from bondgraph.reporting.diagnosis_json import json_value
 from bondgraph.reporting.wording import number_words, relative_error, unit_words
 from bondgraph.simulation.energy_audit import EnergyAudit
 from bondgraph.simulation.events import Event
-from bondgraph.simulation.solvers import Hold
 
 LISTED_EVENTS = 8
 """More are counted by kind; all are in the JSON."""
@@ -91,8 +89,7 @@ def command(
     session.say(f"That is {relative_error(solution.score, spread)}.")
     session.say(_energy_words(solution.audit))
     session.say(_event_words(solution.events))
-    if settings.hold is Hold.FIRST and go_in_steps([bound]):
-        session.hint(IN_STEPS)
+    hint_at_steps(session, settings, [bound])
     if solution.reason:  # of a run with accounts, where the one without them went on
         session.say(solution.reason)
     if output is not None:

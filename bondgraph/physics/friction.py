@@ -5,7 +5,12 @@ from types import MappingProxyType
 
 import sympy
 
-from bondgraph.physics.dry_friction import changing_when_slow, direction
+from bondgraph.physics.dry_friction import (
+    WhenSlow,
+    changing,
+    direction,
+    the_same,
+)
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import (
     FLUID,
@@ -103,48 +108,28 @@ class DirectionDependentFriction(AbstractPhysics):
             return
         if place.has_free_bias:
             return
-        yield self._constant(place)
+        yield self._law(place, the_same)
         if place.is_steady:
-            yield self._otherwise_when_slow(place)
+            yield self._law(place, changing)
 
-    def _constant(self, place: OneJunctionPlace) -> Hypothesis:
+    def _law(self, place: OneJunctionPlace, when_slow: WhenSlow) -> Hypothesis:
         sizes = (0.0, 0.3 * place.effort)
         c = place.strength("coulomb", place.unit(E), sizes, low=0.0)
         # A share: bounds keep it passive, and at zero it is Coulomb friction.
         share = place.strength("asymmetry", "1", (0.0, 0.0), low=-1.0, high=1.0)
         sign, width = direction(place)
-        law = c.symbol * (sign + share.symbol * sympy.Abs(sign))
-        element = Resistance(place.name_of(self.word), law=law)
-        words = (
-            f"{place.a(E)} against the motion, larger ahead by a share (asymmetry) "
-            "of its mean size, smaller back"
-        )
-        return self.hypothesis(
-            place,
-            place.insert(element, c, share, width),
-            law,
-            (c, share, width),
-            words,
-            extends=("coulomb_friction",),
-        )
-
-    def _otherwise_when_slow(self, place: OneJunctionPlace) -> Hypothesis:
-        some = 0.3 * place.effort
-        c = place.strength("coulomb", place.unit(E), (0.0, 0.0, some, some), low=0.0)
-        share = place.strength("asymmetry", "1", low=-1.0, high=1.0)
-        sign, width = direction(place)
-        slow = changing_when_slow(place, sign)
-        sized = sign + share.symbol * sympy.Abs(sign)
-        law = c.symbol * sized * slow.factor
+        slow = when_slow(place, sign)
+        law = c.symbol * (sign + share.symbol * sympy.Abs(sign)) * slow.factor
         coefficients = (c, share, *slow.coefficients, width)
+        element = Resistance(place.name_of(self.word), law=law)
         return self.hypothesis(
             place,
-            place.insert(Resistance(place.name_of(self.word), law=law), *coefficients),
+            place.insert(element, *coefficients),
             law,
             coefficients,
-            f"{place.a(E)} against the motion that differs between the directions, "
-            f"{slow.words}",
-            extends=("coulomb_friction", "stribeck_friction", self.word),
+            f"{place.a(E)} against the motion, larger ahead by a share (asymmetry) "
+            f"of its mean size, smaller back{slow.words}",
+            extends=slow.extending(self.word, "coulomb_friction"),
         )
 
 

@@ -69,9 +69,10 @@ class DahlHysteresis(AbstractPhysics):
 class BoucWenHysteresis(DahlHysteresis):
     """Hysteresis whose loops are not alike in loading and unloading.
 
-    z' = (f - |f| z - r f |z|) / w, which is Dahl's at r = 0. It never gives power: for
-    r <= 1 some V(z) grows no faster than z f, with 1 / V' between (1 - (1 + r) z) / w z
-    and (1 + (1 - r) z) / w z. Below -1 the loops grow stiffer as they are loaded.
+    z' = (f - |f| z - r f |z|) / w, which is Dahl's at r = 0. For r <= 1 it never gives
+    power: with 1 / V'(z) between (1 - (1 + r) z) / (w z) and (1 + (1 - r) z) / (w z)
+    the store V grows by no more than z f, whether it is loaded or unloaded. Below -1
+    the loops grow stiffer as they are loaded.
     """
 
     reference = "Bouc 1967; Wen, J. Engineering Mechanics 102, 1976; Ismail et al. 2009"

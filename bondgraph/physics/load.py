@@ -5,7 +5,12 @@ from dataclasses import dataclass
 
 import sympy
 
-from bondgraph.physics.dry_friction import changing_when_slow, direction
+from bondgraph.physics.dry_friction import (
+    WhenSlow,
+    changing,
+    direction,
+    the_same,
+)
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import MECHANICAL, E, Place
 from bondgraph.physics.places.junction import OneJunctionPlace
@@ -42,42 +47,28 @@ class LoadDependentFriction(AbstractPhysics):
             yield self._law(place, load, constant=False)
             yield self._law(place, load, constant=True)
             if place.is_steady:
-                yield self._otherwise_when_slow(place, load)
-
-    def _otherwise_when_slow(
-        self, place: OneJunctionPlace, load: "_Load"
-    ) -> Hypothesis:
-        some = 0.3 * place.effort
-        mu = place.strength("mu", "1", (0.0, 0.0, 0.1, 0.1), low=0.0)
-        c = place.strength("coulomb", place.unit(E), (0.0, 0.0, some, some), low=0.0)
-        sign, width = direction(place)
-        slow = changing_when_slow(place, sign)
-        name = place.name_of(self.word)
-        law = (c.symbol + mu.symbol * sympy.Abs(load.carried(name))) * sign
-        coefficients = (mu, c, *slow.coefficients, width)
-        law *= slow.factor
-        return self.hypothesis(
-            place,
-            place.insert(Resistance(name, law=law), *coefficients),
-            law,
-            coefficients,
-            f"{place.a(E)} against the motion that has a constant part, grows with "
-            f"{load.told(place)}, {slow.words.replace('each', 'each direction')}",
-            extends=("coulomb_friction", "stribeck_friction", self.word),
-        )
+                yield self._law(place, load, constant=True, when_slow=changing)
 
     def _law(
-        self, place: OneJunctionPlace, load: "_Load", *, constant: bool
+        self,
+        place: OneJunctionPlace,
+        load: "_Load",
+        *,
+        constant: bool,
+        when_slow: WhenSlow = the_same,
     ) -> Hypothesis:
         some = 0.3 * place.effort
         start = (0.0, 0.0, 0.2) if constant else (0.0, 0.1, 0.3)
         mu = place.strength("mu", "1", start, low=0.0)
         c = place.strength("coulomb", place.unit(E), (0.0, some, some), low=0.0)
         sign, width = direction(place)
+        slow = when_slow(place, sign)
         name = place.name_of(self.word)
         pressed = mu.symbol * sympy.Abs(load.carried(name))
-        law = (c.symbol + pressed if constant else pressed) * sign
-        coefficients = (mu, c, width) if constant else (mu, width)
+        law = (c.symbol + pressed if constant else pressed) * sign * slow.factor
+        own = (mu, c) if constant else (mu,)
+        coefficients = (*own, *slow.coefficients, width)
+        narrower = ("coulomb_friction",) if constant else ()
         return self.hypothesis(
             place,
             place.insert(Resistance(name, law=law), *coefficients),
@@ -85,8 +76,8 @@ class LoadDependentFriction(AbstractPhysics):
             coefficients,
             f"{place.a(E)} against the motion that "
             f"{'has a constant part and ' if constant else ''}grows with "
-            f"{load.told(place)}",
-            extends=("coulomb_friction",) if constant else (),
+            f"{load.told(place)}{slow.words}",
+            extends=slow.extending(self.word, *narrower),
         )
 
 

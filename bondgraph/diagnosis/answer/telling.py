@@ -19,12 +19,12 @@ from bondgraph.diagnosis.answer.untried import untried
 from bondgraph.diagnosis.answer.wording import next_experiment
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.records import Comparison, Diagnosis
-from bondgraph.diagnosis.search.between_samples import told_finely
 from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.horizons import refitted
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.round_found import Round, accepted
 from bondgraph.fitting.estimate import FittedModel, report
+from bondgraph.fitting.fine_steps import told_finely
 from bondgraph.fitting.long_runs import simulate_stretches, simulate_whole
 from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 
 from bondgraph.diagnosis.search.steps import explicit_steps, left
 from bondgraph.fitting.estimate import FitSettings, FittedModel, fit_model
-from bondgraph.fitting.levenberg_marquardt import minimise
+from bondgraph.fitting.fine_steps import simulated_as
 from bondgraph.fitting.step_error import MOST_SUBSTEPS, step_error
-from bondgraph.fitting.uncertainty import uncertainty
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.commands import go_in_steps
-from bondgraph.simulation.solvers import Hold, RungeKutta4, Sdirk2, Solver
+from bondgraph.simulation.solvers import Hold, RungeKutta4, Sdirk2
 from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
@@ -26,11 +25,6 @@ FITS_BETTER = 0.98
 
 OF_NOISE, OF_RESIDUAL = 0.3, 0.03
 """Of the noise and of what the model leaves: a step's error below these is fine."""
-
-MOVED = 0.5
-"""Standard errors by which a step's error may move an estimate that is told."""
-
-ITERATIONS = 30
 
 
 def fitted_either_way(
@@ -81,28 +75,6 @@ def finely_stepped(fitted: FittedModel, noise: Array) -> FittedModel:
     return fitted
 
 
-def told_finely(fitted: FittedModel) -> FittedModel:
-    """Return the model with such steps that half of one moves no estimate by much.
-
-    What is far below the noise in every sample adds up in thousands of them: a small
-    inductance takes what a step has lost.
-    """
-    while fitted.problem.model.n_states and fitted.optimum.theta.size:
-        solver = fitted.problem.solver
-        if solver.substeps >= MOST_SUBSTEPS:
-            return fitted
-        finer = replace(solver, substeps=2 * solver.substeps)
-        stepped = simulated_as(fitted, finer, fitted.problem.hold)
-        if stepped is fitted:
-            return fitted
-        moved = np.abs(stepped.optimum.theta - fitted.optimum.theta)
-        std = uncertainty(stepped.problem, stepped.optimum).std
-        if not np.any(moved > MOVED * std):  # what is not determined has none
-            return fitted
-        fitted = stepped
-    return fitted
-
-
 def held_as_fits(fitted: FittedModel) -> FittedModel:
     """Return the model with inputs held or joined, as fits better from where it is.
 
@@ -113,17 +85,6 @@ def held_as_fits(fitted: FittedModel) -> FittedModel:
     other = Hold.ZERO if fitted.problem.hold is Hold.FIRST else Hold.FIRST
     rival = simulated_as(fitted, fitted.problem.solver, other)
     return rival if rival.optimum.cost < FITS_BETTER * fitted.optimum.cost else fitted
-
-
-def simulated_as(fitted: FittedModel, solver: Solver, hold: Hold) -> FittedModel:
-    """Return the model fitted anew, from where it was, with other steps or inputs."""
-    problem = replace(fitted.problem, solver=solver, hold=hold)
-    optimum = minimise(
-        problem, fitted.optimum.theta, fitted.optimum.initial, iterations=ITERATIONS
-    )
-    if not np.isfinite(optimum.cost):
-        return fitted
-    return replace(fitted, problem=problem, optimum=optimum)
 
 
 def _is_fine(fitted: FittedModel, noise: Array) -> bool:

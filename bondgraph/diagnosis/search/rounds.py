@@ -16,7 +16,6 @@ from bondgraph.diagnosis.evidence.gain import MERE_SHAPE, beside_earlier
 from bondgraph.diagnosis.search.between_samples import (
     finely_stepped,
     held_as_fits,
-    simulated_as,
 )
 from bondgraph.diagnosis.search.beyond_noise import left_beside, within
 from bondgraph.diagnosis.search.considered import Setting
@@ -29,6 +28,7 @@ from bondgraph.diagnosis.search.removal import fitted_with
 from bondgraph.diagnosis.search.round_found import Round, chosen_in
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.estimate import FittedModel
+from bondgraph.fitting.fine_steps import simulated_as
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.recordings.binding import BoundRecording
 
