@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from bondgraph.diagnosis.answer.at_jumps import doubted_at_jumps
 from bondgraph.diagnosis.answer.concluding import concluded
 from bondgraph.diagnosis.answer.doubt import doubted, remaining
 from bondgraph.diagnosis.answer.evidence_shown import all_evidence
@@ -61,7 +62,7 @@ def answer(
     shown = _comparison(base, final, held_out)
     left = remaining(rounds, noise_floor(recordings))
     left = max(left, left_of_whole(trained))
-    findings = doubted(told, left)
+    findings = doubted_at_jumps(doubted(told, left), made)
     wrong = contradicted(graph, after.estimates)
     stretches = _over_stretches(base, final, held_out, shown)
     verdict, statement = concluded(
