@@ -8,6 +8,7 @@ falls away is taken, and its median, not its mean square, so that events do not 
 (Order k on a uniform grid is the k-th difference over sqrt(binomial(2k, k)).)
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -142,6 +143,8 @@ def estimate_noise(time: ArrayLike, values: ArrayLike) -> NoiseEstimate:
     if not orders or np.ptp(v) == 0.0:
         return NoiseEstimate(std=float(floor), quantisation=step, white=True)
     scales = np.array([_scale(_contrasts(t, v, k)) for k in orders])
+    if step is not None and np.median(np.abs(np.diff(v))) > 0.0:
+        scales = _scales_off_grid(t, v, step, orders)
     settled = scales <= AGREEMENT * np.minimum.accumulate(scales[::-1])[::-1]
     chosen = int(np.argmax(settled))
     sameness = SAMENESS + 3.0 / np.sqrt(v.size)  # about three of its own errors
@@ -268,6 +271,21 @@ def _contrasts(time: FloatArray, values: FloatArray, order: int) -> FloatArray:
         total += weight * v[i]
         power += weight**2
     return np.asarray(total / np.sqrt(power), dtype=np.float64)
+
+
+def _scales_off_grid(
+    time: FloatArray, values: FloatArray, step: float, orders: Sequence[int]
+) -> FloatArray:
+    """Return the scales of contrasts of values on a grid, as if they lay on none.
+
+    Contrasts of few steps take few values, and their median is one of these. So half a
+    step either way is added to each value by chance, and its variance taken off again
+    (non-subtractive dither: Gray and Stockham, IEEE Trans. Inf. Theory 39, 1993).
+    """
+    dither = np.random.default_rng(values.size).uniform(-0.5, 0.5, values.size)
+    dithered = values + step * dither
+    squares = [_scale(_contrasts(time, dithered, k)) ** 2 for k in orders]
+    return np.sqrt(np.maximum(np.array(squares) - step**2 / 12.0, step**2 / 12.0))
 
 
 def _scale(contrasts: FloatArray) -> float:
