@@ -374,3 +374,62 @@ def test_a_model_that_runs_away_is_not_completed_by_any_engine():
             engine=engine,
         )
         assert shot.completed.tolist() == [False]
+
+
+@pytest.mark.parametrize(
+    ("spring", "rub"),
+    [
+        (1e4 * q**5, 20 * f / (sympy.Abs(f) + 1e-6)),
+        (5 * q, (20 + 30 * sympy.exp(-((f / 0.01) ** 2))) * sympy.tanh(f / 1e-4)),
+    ],
+    ids=["a steep spring", "friction that falls"],
+)
+def test_a_step_without_a_solution_is_taken_in_halves_as_on_the_tape(spring, rub):
+    g = BondGraph("sharp", domain="translation")
+    g.one("body", Se("push"), I("m"), R("rub", law=rub), C("spring", law=spring))
+    g.measure("speed", flow="body")
+    model = compile_model(derive(g.finish()))
+    time = 0.05 * np.arange(200)
+    push = 40 * np.sign(np.sin(2 * np.pi * time / 1.7))[:, None]
+    shots = Shots(time, push, np.zeros((200, 1)), (0, 200))
+
+    def driven(engine):
+        return shoot(
+            model,
+            shots,
+            parameters=np.ones(1),
+            initial=np.zeros((1, 2)),
+            directions=np.zeros(1, np.int64),
+            solver=Sdirk2(substeps=3),
+            hold=Hold.ZERO,
+            engine=engine,
+            reasons=False,
+        )
+
+    native, tape = driven(Native()), driven(Interpreted())
+    assert native.completed.all()
+    assert tape.completed.all()
+    np.testing.assert_allclose(native.outputs, tape.outputs, rtol=1e-6, atol=1e-8)
+
+
+def test_where_no_reason_is_asked_for_none_is_looked_for():
+    model = runaway()
+    shots = Shots(
+        np.linspace(0, 2, 201), np.zeros((201, 1)), np.zeros((201, 1)), (0, 201)
+    )
+    asked = [
+        shoot(
+            model,
+            shots,
+            parameters=np.ones(len(model.parameter_names)),
+            initial=np.array([[10.0]]),
+            directions=None,
+            solver=Sdirk2(),
+            hold=Hold.FIRST,
+            engine=Native(),
+            reasons=reasons,
+        )
+        for reasons in (True, False)
+    ]
+    assert not any(shot.completed.any() for shot in asked)
+    assert [bool(shot.trouble[0].unknown) for shot in asked] == [True, False]

@@ -183,6 +183,7 @@ def _part(
         solver=problem.solver,
         hold=problem.hold,
         of_initial=about is None,
+        reasons=False,
     )
     shot = without_overflow(shot, shots.edges)
     known = np.isfinite(shots.outputs)

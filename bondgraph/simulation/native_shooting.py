@@ -102,7 +102,7 @@ def run_native(
                 first, last, run.done,
             )  # fmt: skip
     else:
-        from bondgraph.numeric.native.implicit import Tableau  # noqa: PLC0415
+        from bondgraph.numeric.native.implicit_step import Tableau  # noqa: PLC0415
         from bondgraph.numeric.native.windows import implicit_windows  # noqa: PLC0415
 
         method = Tableau(*solver.tableau, solver.substeps, zero_hold)

@@ -31,6 +31,7 @@ def shoot(
     hold: Hold,
     engine: Engine = PAYING,
     of_initial: bool = True,
+    reasons: bool = True,
 ) -> Shooting:
     """Simulate every window from its initial state.
 
@@ -47,6 +48,9 @@ def shoot(
         Whether those to the initial states are added.
     engine
         How the equations are evaluated, a matter of time only; `WhenItPays` by default.
+    reasons
+        Whether to find out why a window could not be simulated, where native code only
+        says that: a fit has no use for it.
 
     Raises
     ------
@@ -69,7 +73,7 @@ def shoot(
             model, shots, parameters, initial, directions, solver, hold, of_initial
         )
         failed = np.flatnonzero(~native.completed)
-        if len(failed) == 0:
+        if len(failed) == 0 or not reasons:
             return native
         # The tape says why.
         again = _by_tape(

@@ -4,36 +4,13 @@ The same steps as `bondgraph.numeric.kernel.windows` takes on a tape, with the s
 sensitivities: those of the discrete solution.
 """
 
-import math
-from typing import NamedTuple
-
 import numpy as np
 
-from bondgraph.numeric.compiled.loops import Array, Integers, compiled, inlined, lean
+from bondgraph.numeric.compiled.loops import Array, Integers, compiled, lean
+from bondgraph.numeric.native.implicit_step import Path, Tableau, cross, set_inputs
 from bondgraph.numeric.native.model import NativeSystem
 from bondgraph.numeric.native.samples import read_outputs, variables
 from bondgraph.numeric.native.stage import Stage, differentiate, make_stage, solve
-
-
-class Tableau(NamedTuple):
-    """A method's matrix (last row = weights) and nodes, and steps per sample."""
-
-    a: Array
-    c: Array
-    substeps: int
-    zero_hold: bool
-
-
-class Path(NamedTuple):
-    """Where the step is: state, stage base point, slopes, and their tangents."""
-
-    x: Array
-    dx: Array
-    base: Array
-    dbase: Array
-    k: Array
-    dk: Array
-    slope: Array
 
 
 @compiled
@@ -59,6 +36,7 @@ def integrate_implicit(
         dbase=np.zeros((nx, width)),
         k=np.zeros((stages, nx)),
         dk=np.zeros((stages, nx, width)),
+        w=np.zeros(nx + system.nz),
         slope=np.zeros(system.nu),
     )
     for i in range(nx if n > nq else 0):
@@ -85,7 +63,7 @@ def _run(  # noqa: C901  (a compiled loop)
             if not method.zero_hold and span > 0.0:
                 path.slope[i] = (u[following, i] - u[row, i]) / span
             v[at_u + nu + i] = path.slope[i]
-        _set_inputs(system, v, u, row, path.slope, time[row], 0.0)
+        set_inputs(system, v, u, row, path.slope, time[row], 0.0)
         if system.instantaneous and nx + system.nz > 0:
             if not solve(system, stage, path.x, 0.0):
                 return row
@@ -100,63 +78,9 @@ def _run(  # noqa: C901  (a compiled loop)
             return row
         h = span / method.substeps
         for step in range(method.substeps if row < following and nx > 0 else 0):
-            if not _advance(
+            if not cross(
                 system, method, stage, path, directions, n, u, row, time[row],
                 step * h, h,
             ):  # fmt: skip
                 return row
     return samples
-
-
-@inlined
-def _set_inputs(
-    system: NativeSystem, v: Array, u: Array, row: int, slope: Array, time: float,
-    elapsed: float,
-) -> None:  # fmt: skip
-    """Write u and t at `elapsed` seconds after a sample."""
-    at = 2 * system.nx + system.nz
-    for i in range(system.nu):
-        v[at + i] = u[row, i] + slope[i] * elapsed
-    v[system.n_variables - 1] = time + elapsed
-
-
-@inlined
-def _advance(  # noqa: C901, PLR0912  (a compiled loop)
-    system: NativeSystem, method: Tableau, stage: Stage, path: Path,
-    directions: Integers, n: int, u: Array, row: int, time: float, elapsed: float,
-    h: float,
-) -> bool:  # fmt: skip
-    """Take one step of size `h`; False where it fails."""
-    nx, a, stages = system.nx, method.a, len(method.c)
-    for s in range(stages):
-        at = elapsed + method.c[s] * h
-        _set_inputs(system, stage.v, u, row, path.slope, time, at)
-        for i in range(nx):
-            path.base[i] = path.x[i]
-            for r in range(s):
-                path.base[i] += h * a[s, r] * path.k[r, i]
-        part = h * a[s, s]
-        if not solve(system, stage, path.base, part):
-            return False
-        for i in range(nx):
-            path.k[s, i] = stage.w[i]
-        if n > 0:
-            for i in range(nx):
-                for m in range(n):
-                    path.dbase[i, m] = path.dx[i, m]
-                    for r in range(s):
-                        path.dbase[i, m] += h * a[s, r] * path.dk[r, i, m]
-            if not differentiate(system, stage, path.dbase, part, directions, n):
-                return False
-            for i in range(nx):
-                for m in range(n):
-                    path.dk[s, i, m] = stage.dw[i, m]
-    for i in range(nx):
-        for s in range(stages):
-            weight = h * a[stages - 1, s]
-            path.x[i] += weight * path.k[s, i]
-            for m in range(n):
-                path.dx[i, m] += weight * path.dk[s, i, m]
-        if not math.isfinite(path.x[i]):
-            return False
-    return True

@@ -22,6 +22,7 @@ CHORDS = 6
 CONTRACTION = 0.25
 CHORD_ERROR = 1e-12
 SMALLEST_DAMPING = 1e-4
+NUDGE = 1e-3
 
 
 class Stage(NamedTuple):
@@ -143,7 +144,9 @@ def _chord(system: NativeSystem, stage: Stage, base: Array, h: float) -> bool:
 
 
 @inlined
-def _newton(system: NativeSystem, stage: Stage, base: Array, h: float) -> bool:
+def _newton(  # noqa: C901  (a compiled loop)
+    system: NativeSystem, stage: Stage, base: Array, h: float
+) -> bool:
     """Iterate with exact Jacobians, damped."""
     nw = system.nx + system.nz
     damping, last = 1.0, math.inf
@@ -151,7 +154,7 @@ def _newton(system: NativeSystem, stage: Stage, base: Array, h: float) -> bool:
         _place(system, stage, base, h)
         call_slopes(system.slopes, stage.v, stage.j)
         _residual(system, stage)
-        if iteration > 0 and not system.linear:
+        if last < math.inf and not system.linear:
             substitute(stage.lu, nw, stage.pivot, stage.rhs, 1)
             shorter = _size(stage, nw) <= (1.0 - 0.25 * damping) * last
             if not shorter and damping > SMALLEST_DAMPING:
@@ -161,7 +164,11 @@ def _newton(system: NativeSystem, stage: Stage, base: Array, h: float) -> bool:
                 continue
             _residual(system, stage)
         if not _factor(system, stage, h):
-            return False
+            if iteration > 0 or system.linear:
+                return False
+            for i in range(nw):  # Flat: look a little further.
+                stage.w[i] += NUDGE * (1.0 + i)
+            continue
         substitute(stage.lu, nw, stage.pivot, stage.rhs, 1)
         for i in range(nw):
             stage.step[i] = stage.rhs[i, 0]

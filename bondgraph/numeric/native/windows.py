@@ -2,7 +2,8 @@
 
 from bondgraph.numeric.compiled.loops import Array, Integers, compiled
 from bondgraph.numeric.native.explicit import integrate_explicit
-from bondgraph.numeric.native.implicit import Tableau, integrate_implicit
+from bondgraph.numeric.native.implicit import integrate_implicit
+from bondgraph.numeric.native.implicit_step import Tableau
 from bondgraph.numeric.native.model import NativeSystem
 
 
