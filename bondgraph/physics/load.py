@@ -68,7 +68,7 @@ class LoadDependentFriction(AbstractPhysics):
         law = (c.symbol + pressed if constant else pressed) * sign * slow.factor
         own = (mu, c) if constant else (mu,)
         coefficients = (*own, *slow.coefficients, width)
-        narrower = ("coulomb_friction",) if constant else ()
+        narrower = ("coulomb_friction", self.word) if constant else ()
         return self.hypothesis(
             place,
             place.insert(Resistance(name, law=law), *coefficients),

@@ -53,10 +53,9 @@ def answer(
 
     Where time has run out the model is handed on as it is, fitted to what trains.
     """
-    late = any(one.cut_short for one in rounds)
-    base, final = rounds[0].base, final if late else told_finely(final)
+    late, made = any(one.cut_short for one in rounds), accepted(rounds)
+    base, final = rounds[0].base, final if late or made else told_finely(final)
     before, after = report(base, graph, recordings), report(final, graph, recordings)
-    made = accepted(rounds)
     told, others = findings_of(rounds, after, held_out, options)
     trained = _comparison(base, final, recordings)
     shown = _comparison(base, final, held_out)

@@ -28,6 +28,7 @@ from bondgraph.diagnosis.search.rounds import search
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.automatic import grows
 from bondgraph.fitting.estimate import FittedModel
+from bondgraph.fitting.fine_steps import told_finely
 from bondgraph.fitting.long_runs import simulate_whole
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
@@ -85,8 +86,10 @@ def look(
     if rounds[-1].base is base:
         return Look(rounds, base)
     shop.progress("refitting the improved model")
-    final = sharpened(rounds[-1].base, recordings, options)
-    limit = shop.limit
+    final, limit = sharpened(rounds[-1].base, recordings, options), shop.limit
+    if not limit.passed:
+        # What a law adds is told from nothing by numbers that steps do not bend.
+        final = told_finely(final)
     rounds, final = without_needless_parts(rounds, final, recordings, options, limit)
     return Look(*without_hollow(rounds, final, recordings, options, limit))
 
