@@ -24,6 +24,7 @@ from bondgraph.diagnosis.search.exchange import Reached
 from bondgraph.diagnosis.search.making import Made, made_of, or_two
 from bondgraph.diagnosis.search.one_round import one_round
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.reconsidered import reconsidered
 from bondgraph.diagnosis.search.removal import fitted_with
 from bondgraph.diagnosis.search.round_found import Round, chosen_in
 from bondgraph.diagnosis.work.workers import Workshop
@@ -57,6 +58,18 @@ def search(
         Residual per output that noise excuses, 0 where it is not known: what lies
         within it is not searched for physics.
     """
+    rounds = _with_curves(base, recordings, noise, options, shop)
+    return reconsidered(rounds, recordings, noise, options, shop)
+
+
+def _with_curves(
+    base: FittedModel,
+    recordings: Sequence[BoundRecording],
+    noise: Array,
+    options: Options,
+    shop: Workshop,
+) -> list[Round]:
+    """Return the rounds of a search, begun again from a curve that nothing nears."""
     start = Reached(base, base, (), noise)
     rounds = _searched([], start, recordings, options, shop)
     curve = better_curve(rounds, options.rule)

@@ -1,0 +1,83 @@
+"""Reconsidering: what came first is chosen again, beside all that was found since.
+
+A law that explained little when it was chosen was the one that lay nearest to what all
+that was missing showed together. Once the rest has been found, a round is made without
+it: what that chooses takes its place, where the model fits as well.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.diagnosis.search.considered import Setting
+from bondgraph.diagnosis.search.one_round import one_round
+from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.plainer import as_good
+from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.diagnosis.search.round_found import Round, accepted, chosen_in
+from bondgraph.diagnosis.work.workers import Workshop
+from bondgraph.errors import BondGraphError
+from bondgraph.recordings.binding import BoundRecording
+
+Array = NDArray[np.float64]
+LITTLE = 0.5
+"""What explained less of the error than this when it was chosen is chosen again."""
+
+
+def reconsidered(
+    rounds: Sequence[Round],
+    recordings: Sequence[BoundRecording],
+    noise: Array,
+    options: Options,
+    shop: Workshop,
+) -> list[Round]:
+    """Return the rounds, and one more for each early law that another replaces.
+
+    The last round, which has found nothing more, stays the last. The law that was found
+    last was chosen beside all others already.
+    """
+    kept = list(rounds)
+    for found in accepted(rounds)[:-1]:
+        chosen = found.chosen
+        if shop.limit.passed or chosen is None or chosen.gain.value >= LITTLE:
+            continue
+        shop.progress(f"choosing again at {chosen.place}, beside what was found since")
+        again = _again(kept, found, recordings, noise, options, shop)
+        if again is not None and again.chosen is not None:
+            fitted = again.chosen.candidate.fitted
+            kept = [*kept[:-1], again, replace(kept[-1], base=fitted)]
+    return kept
+
+
+def _again(
+    rounds: Sequence[Round],
+    found: Round,
+    recordings: Sequence[BoundRecording],
+    noise: Array,
+    options: Options,
+    shop: Workshop,
+) -> Round | None:
+    """Return the round that chooses another law in place of one; None where none."""
+    assert found.chosen is not None
+    before, current = found.chosen, rounds[-1].base
+    law = before.candidate.hypothesis
+    others = tuple(
+        one.hypothesis for one in chosen_in(rounds) if one.hypothesis is not law
+    )
+    try:
+        without = fitted_with(rounds[0].base, current, others, {})
+    except BondGraphError:
+        return None  # What was found later sits on it.
+    setting = Setting(
+        without, recordings, noise, options, len(rounds), others, curves=False
+    )
+    seen = one_round(setting, shop)
+    chosen = seen.chosen
+    if chosen is None or seen.cut_short:
+        return None
+    same = (chosen.physics, chosen.place) == (before.physics, before.place)
+    if same or not as_good(chosen.candidate.fitted, current, options.rule):
+        return None
+    return replace(seen, removed=(*seen.removed, law))

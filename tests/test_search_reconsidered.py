@@ -1,0 +1,69 @@
+"""What came first and explained little is chosen again beside what was found since."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_search_exchange import added, car, driven, judged_beside, proposed, road
+
+from bondgraph import Recording, bind_to
+from bondgraph.diagnosis.evidence.gain import Gain
+from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.reconsidered import LITTLE, reconsidered
+from bondgraph.diagnosis.search.round_found import Round, accepted
+from bondgraph.diagnosis.work.journal import Journal
+from bondgraph.diagnosis.work.workers import Here, workshop
+from bondgraph.physics.drag import QuadraticDrag, SpeedLimit
+from bondgraph.physics.friction import CoulombFriction
+
+
+def searched(first, gain):
+    """Return the rounds of a search that found one law, then friction; and its data."""
+    base = driven(road)
+    law, friction = proposed(base, first), proposed(base, CoulombFriction())
+    one = added(base, base, [law])
+    both = added(base, one, [law, friction])
+    judged = judged_beside(base, law, one)
+    little = replace(judged, gain=Gain(gain, 0.01, 0.0))
+    rounds = [
+        Round(base, chosen=little, judged=(little,)),
+        Round(one, chosen=judged_beside(one, friction, both)),
+        Round(both),
+    ]
+    return rounds, law
+
+
+@pytest.fixture
+def choose_again():
+    shots = driven(road).problem.shots
+    channels = {
+        "speed": (shots.inputs[:, 0], "m/s"),
+        "force": (shots.outputs[:, 0], "N"),
+    }
+    recording = bind_to(car(), Recording.from_arrays("run", shots.time, channels))
+    options = Options()
+    with workshop(Here(), Journal(), lambda _: None) as shop:
+        yield lambda rounds: reconsidered(
+            rounds, [recording], np.zeros(1), options, shop
+        )
+
+
+def test_a_first_law_gives_way_to_what_fits_beside_the_second(choose_again):
+    rounds, limit = searched(SpeedLimit(), gain=0.2)
+    *_, again, last = choose_again(rounds)
+    assert again.chosen.physics == "quadratic_drag"
+    assert again.removed == (limit,)
+    assert last.base is again.chosen.candidate.fitted
+    assert last.base.values["quadratic_car"] == pytest.approx(0.42, rel=0.05)
+    said = {one.chosen.physics for one in accepted([*rounds[:-1], again, last])}
+    assert said == {"coulomb_friction", "quadratic_drag"}
+
+
+def test_the_right_first_law_stays(choose_again):
+    rounds, _ = searched(QuadraticDrag(), gain=0.2)
+    assert choose_again(rounds) == rounds
+
+
+def test_what_explained_much_is_not_asked_again(choose_again):
+    rounds, _ = searched(SpeedLimit(), gain=LITTLE)
+    assert choose_again(rounds) == rounds
