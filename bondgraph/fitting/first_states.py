@@ -1,8 +1,9 @@
 """Initial states to start from: those that fit the first samples of every window.
 
 From zero, over a short stretch, the fit is nearly linear; from there the long one
-starts close enough. A ball at no distance from its magnet is nowhere near: so the
-states are also sought from what the very first sample reads.
+starts close enough. A ball at no distance from its magnet is nowhere near: where that
+misses by more than all that was measured varies, the states are also sought from what
+the very first sample reads, and taken from there where that does not miss so far.
 
 Where dry friction sticks the fit is not linear: at rest no state moves the outputs by
 its flow, and a machine that was let go, or pushed, looks as if it had always stood
@@ -33,7 +34,7 @@ ITERATIONS = 12
 
 def first_guess(problem: FitProblem, theta: Array) -> Array:
     """Return initial states that fit the first samples of every window, (n, nx)."""
-    shots = problem.shots
+    shots, varies = problem.shots, _variation(problem)
     zeros = np.zeros((shots.n_windows, problem.model.n_states))
     iterations = ITERATIONS
     if max(np.diff(shots.edges)) > 2 * SHORTEST:
@@ -43,8 +44,12 @@ def first_guess(problem: FitProblem, theta: Array) -> Array:
     elif problem.model.set_valued is None:
         iterations = 0
     initial, here = settle(problem, theta, zeros, iterations)
-    read = settle(problem, theta, _read_at_once(problem, theta, zeros), iterations)
-    initial, here = _better(problem, (initial, here), read)
+    near = varies * np.diff(problem.shots.edges)
+    if not (here.cost <= near).all():
+        states = _read_at_once(problem, theta, zeros)
+        states, there = settle(problem, theta, states, iterations)
+        there = replace(there, cost=np.where(there.cost <= near, there.cost, np.inf))
+        initial, here = _better(problem, (initial, here), (states, there))
     lost = ~np.isfinite(here.cost)
     if lost.any():
         beside, _ = settle(replace(problem, solver=Sdirk2()), theta, zeros)
@@ -54,6 +59,16 @@ def first_guess(problem: FitProblem, theta: Array) -> Array:
     if moving is None:
         return initial
     return _better(problem, (initial, here), settle(problem, theta, moving))[0]
+
+
+def _variation(problem: FitProblem) -> float:
+    """Return the squared distance of a sample from the mean of all, scaled as costs."""
+    outputs = problem.shots.outputs / problem.sigma
+    known = np.isfinite(outputs)
+    count = np.maximum(known.sum(axis=0), 1)
+    mean = np.where(known, outputs, 0.0).sum(axis=0) / count
+    squares = np.where(known, outputs - mean, 0.0) ** 2
+    return float((squares.sum(axis=0) / count).sum())
 
 
 def _read_at_once(problem: FitProblem, theta: Array, zeros: Array) -> Array:

@@ -22,7 +22,7 @@ from bondgraph.errors import BondGraphError
 from bondgraph.recordings.binding import BoundRecording
 
 Array = NDArray[np.float64]
-LITTLE = 0.5
+LITTLE = 0.3
 """What explained less of the error than this when it was chosen is chosen again."""
 
 
