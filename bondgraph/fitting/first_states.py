@@ -25,6 +25,7 @@ from bondgraph.fitting.horizon import SHORTEST
 from bondgraph.fitting.levenberg_marquardt import by_window, settle
 from bondgraph.fitting.problem import FitProblem, Linearisation
 from bondgraph.numeric.held_modes import with_modes_given
+from bondgraph.recordings.spread import spread
 from bondgraph.simulation.solvers import Sdirk2
 
 Array = NDArray[np.float64]
@@ -34,7 +35,8 @@ ITERATIONS = 12
 
 def first_guess(problem: FitProblem, theta: Array) -> Array:
     """Return initial states that fit the first samples of every window, (n, nx)."""
-    shots, varies = problem.shots, _variation(problem)
+    shots = problem.shots
+    varies = float(np.sum((spread(shots.outputs) / problem.sigma) ** 2))
     zeros = np.zeros((shots.n_windows, problem.model.n_states))
     iterations = ITERATIONS
     if max(np.diff(shots.edges)) > 2 * SHORTEST:
@@ -59,16 +61,6 @@ def first_guess(problem: FitProblem, theta: Array) -> Array:
     if moving is None:
         return initial
     return _better(problem, (initial, here), settle(problem, theta, moving))[0]
-
-
-def _variation(problem: FitProblem) -> float:
-    """Return the squared distance of a sample from the mean of all, scaled as costs."""
-    outputs = problem.shots.outputs / problem.sigma
-    known = np.isfinite(outputs)
-    count = np.maximum(known.sum(axis=0), 1)
-    mean = np.where(known, outputs, 0.0).sum(axis=0) / count
-    squares = np.where(known, outputs - mean, 0.0) ** 2
-    return float((squares.sum(axis=0) / count).sum())
 
 
 def _read_at_once(problem: FitProblem, theta: Array, zeros: Array) -> Array:

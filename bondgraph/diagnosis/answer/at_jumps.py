@@ -18,8 +18,6 @@ from bondgraph.fitting.estimate import FittedModel
 from bondgraph.simulation.shots import Shots
 from bondgraph.simulation.solvers import Hold
 
-Array = NDArray[np.float64]
-
 JUMP = 0.1
 """From one sample to the next, of all that an input goes through."""
 

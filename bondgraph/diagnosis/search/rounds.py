@@ -58,30 +58,18 @@ def search(
         Residual per output that noise excuses, 0 where it is not known: what lies
         within it is not searched for physics.
     """
-    rounds = _with_curves(base, recordings, noise, options, shop)
-    return reconsidered(rounds, recordings, noise, options, shop)
-
-
-def _with_curves(
-    base: FittedModel,
-    recordings: Sequence[BoundRecording],
-    noise: Array,
-    options: Options,
-    shop: Workshop,
-) -> list[Round]:
-    """Return the rounds of a search, begun again from a curve that nothing nears."""
     start = Reached(base, base, (), noise)
     rounds = _searched([], start, recordings, options, shop)
     curve = better_curve(rounds, options.rule)
-    if curve is None or not curve.is_told or shop.limit.passed:
-        return rounds
-    shop.progress("again, from a curve that no law with a name comes near to")
-    begun = with_curve(rounds, curve, options.rule, shop)
-    *before, last = chosen_in(begun)
-    added = tuple(one.hypothesis for one in before)
-    at = Reached(begun[0].base, begun[-1].base, added, noise)
-    reached = _handed_on(at, last.fitted, (*added, last.hypothesis), options)
-    return _searched(begun, reached, recordings, options, shop)
+    if curve is not None and curve.is_told and not shop.limit.passed:
+        shop.progress("again, from a curve that no law with a name comes near to")
+        begun = with_curve(rounds, curve, options.rule, shop)
+        *before, last = chosen_in(begun)
+        added = tuple(one.hypothesis for one in before)
+        at = Reached(begun[0].base, begun[-1].base, added, noise)
+        reached = _handed_on(at, last.fitted, (*added, last.hypothesis), options)
+        rounds = _searched(begun, reached, recordings, options, shop)
+    return reconsidered(rounds, recordings, noise, options, shop)
 
 
 def _searched(

@@ -9,6 +9,7 @@ The time of the event depends on the parameters, so the sensitivities jump there
 import math
 
 from bondgraph.numeric.compiled.loops import Array, inlined, lean
+from bondgraph.numeric.compiled.newton import GLANCE
 from bondgraph.numeric.kernel.machine import run
 from bondgraph.numeric.kernel.method import Drive, Method, Steps, set_inputs
 from bondgraph.numeric.kernel.stage import solve_stage
@@ -19,7 +20,6 @@ SEARCH = 40
 CLOSE = 1e-10  # of a step, to which an event is located,
 NARROW = 1e-12  # or of the argument's size in it, within which it vanishes
 NEAR = 1e-5  # of the way to an event, to see how fast it comes
-GLANCE = 1e-6  # of a step, the time over which friction at one instant is judged
 
 
 @inlined

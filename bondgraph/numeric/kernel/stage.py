@@ -14,6 +14,12 @@ import math
 
 from bondgraph.numeric.compiled.linear_solve import factor, substitute
 from bondgraph.numeric.compiled.loops import Array, inlined, lean
+from bondgraph.numeric.compiled.newton import (
+    NUDGE,
+    ROUNDING,
+    SMALLEST_DAMPING,
+    TOLERANCE,
+)
 from bondgraph.numeric.kernel.friction_modes import (
     begin,
     predict_arguments,
@@ -27,10 +33,6 @@ from bondgraph.numeric.kernel.machine import run
 from bondgraph.numeric.kernel.stage_arrays import STICKS, System, Work
 
 ITERATIONS = 100  # damped, over sharp corners, many are needed
-TOLERANCE = 1e-7  # of the last Newton step; the error left is about its square
-ROUNDING = 1e-6
-SMALLEST_DAMPING = 1e-4
-NUDGE = 1e-3
 PATIENCE = 12  # changes of friction modes before only one changes at a time
 
 SINGULAR, NOT_FINITE, NO_END = 1, 2, 3  # what `Work.trouble` says

@@ -6,13 +6,13 @@ is a kink in a fixed grid of steps has its right slope.
 """
 
 from bondgraph.numeric.compiled.loops import Array, lean
-from bondgraph.numeric.kernel.events import GLANCE, margin_left, step_to_event
+from bondgraph.numeric.compiled.newton import GLANCE, SHORTEST
+from bondgraph.numeric.kernel.events import margin_left, step_to_event
 from bondgraph.numeric.kernel.method import Drive, Method, Steps
 from bondgraph.numeric.kernel.stage_arrays import STICKS, System, Work
 from bondgraph.numeric.kernel.steps import copy_start, stopped, take_step
 
 EVENTS = 8  # splits of one step; the rest is taken as it is
-SHORTEST = 0.01  # of a step, down to which it is halved where it has no solution
 
 
 @lean

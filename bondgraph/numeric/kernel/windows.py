@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bondgraph.numeric.compiled.loops import Array, Integers, compiled, inlined, lean
-from bondgraph.numeric.kernel.events import GLANCE
+from bondgraph.numeric.compiled.newton import GLANCE
 from bondgraph.numeric.kernel.machine import run
 from bondgraph.numeric.kernel.method import Drive, Method, Steps, make_steps, set_inputs
 from bondgraph.numeric.kernel.native_steps import (

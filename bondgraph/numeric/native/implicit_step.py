@@ -9,14 +9,9 @@ import math
 from typing import NamedTuple
 
 from bondgraph.numeric.compiled.loops import Array, Integers, inlined, lean
+from bondgraph.numeric.compiled.newton import GLANCE, SHORTEST
 from bondgraph.numeric.native.model import NativeSystem
 from bondgraph.numeric.native.stage import Stage, differentiate, solve
-
-GLANCE = 1e-6
-"""Of a step: what is left of it is nothing."""
-
-SHORTEST = 0.01
-"""Of a step, down to which it is halved where it has no solution."""
 
 
 class Tableau(NamedTuple):

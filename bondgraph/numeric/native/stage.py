@@ -12,17 +12,19 @@ import numpy as np
 
 from bondgraph.numeric.compiled.linear_solve import factor, substitute
 from bondgraph.numeric.compiled.loops import Array, Integers, compiled, inlined
+from bondgraph.numeric.compiled.newton import (
+    NUDGE,
+    ROUNDING,
+    SMALLEST_DAMPING,
+    TOLERANCE,
+)
 from bondgraph.numeric.native.calls import call_slopes, call_values
 from bondgraph.numeric.native.model import NativeSystem
 
 ITERATIONS = 40
-TOLERANCE = 1e-7  # of the last Newton step; the error left is about its square
-ROUNDING = 1e-6
 CHORDS = 6
 CONTRACTION = 0.25
 CHORD_ERROR = 1e-12
-SMALLEST_DAMPING = 1e-4
-NUDGE = 1e-3
 
 
 class Stage(NamedTuple):
