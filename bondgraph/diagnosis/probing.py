@@ -239,8 +239,7 @@ def recover(
         start=fitted.parameters,
         solver=implicit(fitted.problem.solver),
     )
-    nx, nq = plain.model.n_states, len(plain.free)
-    origin = np.zeros((shots.n_windows, nx))
+    origin = np.zeros((shots.n_windows, plain.model.n_states))
     states, before = settle(plain, plain.start[plain.free], origin)
     freed = replace(plain, model=compile_model(unknown))
     initial = np.column_stack([states, np.zeros(shots.n_windows)])
@@ -249,7 +248,7 @@ def recover(
     return RecoveredSignal(
         place=place,
         value=value,
-        std=_value_std(after.hessian[:, nq:, nq:], after.cost, shots.edges),
+        std=_value_std(after.hessian, after.cost, shots.edges),
         local=_local_means(fitted, junction, shots, states, also),
         explained=_explained(before.cost, after.cost),
     )

@@ -67,27 +67,28 @@ def settle(
     Returns
     -------
     initial, linearisation
-        The settled states (n_windows, nx) and the residuals there.
+        The settled states (n_windows, nx) and the problem there, linearised in the
+        initial states alone.
     """
-    best = linearise_windows(problem, theta, initial)
+    fixed, nothing = problem.fixed_at(theta), theta[:0]
+    best = linearise_windows(fixed, nothing, initial)
     if problem.model.n_states == 0:
         return initial, best
-    nq = len(theta)
     damping = np.full(len(best.cost), 1e-6)
     active = np.isfinite(best.cost)
-    seen = _effects(best, nq)
+    seen = _effects(best)
     for _ in range(iterations):
-        told = _effects(best, nq) > ROUNDING**2 * seen.max(axis=0)
-        own = best.hessian[:, nq:, nq:] * (told[:, :, None] & told[:, None, :])
+        told = _effects(best) > ROUNDING**2 * seen.max(axis=0)
+        own = best.hessian * (told[:, :, None] & told[:, None, :])
         inverse = truncated_inverse(damped(own, damping))
-        move = np.einsum("wij,wj->wi", inverse, best.slope[:, nq:])
-        promised = np.einsum("wi,wi->w", best.slope[:, nq:], move)
+        move = np.einsum("wij,wj->wi", inverse, best.slope)
+        promised = np.einsum("wi,wi->w", best.slope, move)
         active &= promised > SETTLED * best.cost
         if not active.any():
             break
         trial = np.where(active[:, None], initial + move, initial)
-        new = linearise_windows(problem, theta, trial)
-        seen = np.maximum(seen, _effects(new, nq))
+        new = linearise_windows(fixed, nothing, trial)
+        seen = np.maximum(seen, _effects(new))
         better = active & (new.cost < best.cost)
         old = np.where(better, best.cost, 0.0)
         gained = np.where(better, old - np.where(better, new.cost, 0.0), 0.0)
@@ -100,9 +101,9 @@ def settle(
     return initial, best
 
 
-def _effects(at: Linearisation, nq: int) -> Array:
+def _effects(settling: Linearisation) -> Array:
     """Return the squared effect of each window's initial state on it, (n, nx)."""
-    effects: Array = np.einsum("wii->wi", at.hessian)[:, nq:]
+    effects: Array = np.einsum("wii->wi", settling.hessian)
     return effects
 
 
@@ -130,14 +131,25 @@ def by_window(
 
 
 def _repair(
-    problem: FitProblem, step: Step, new: Linearisation, initial: Array, old: Array
+    problem: FitProblem,
+    step: Step,
+    new: Linearisation,
+    before: tuple[Array, Linearisation, float],
 ) -> tuple[Step, Linearisation]:
     """Settle the windows that a step made worse than promised, from where they were.
 
     One window in which friction sticks where it slid would otherwise refuse a step that
     is right for all others. A window that ends as the linearised problem says is none
-    of these, even if the others gain at its cost.
+    of these, even if the others gain at its cost. Where all this does not save the
+    step, only the costs of what is returned are those of the settled windows.
+
+    Parameters
+    ----------
+    before
+        Initial states, linearisation and whole cost where the step was taken from.
     """
+    initial, here, cost = before
+    old = here.cost
     worse = np.flatnonzero(
         ~(new.cost <= np.maximum(WORSE * old, UNFORESEEN * step.promised))
     )
@@ -146,20 +158,25 @@ def _repair(
     part = replace(problem, shots=problem.shots.subset(worse))
     settled, at = settle(part, step.theta, initial[worse], REPAIR_ITERATIONS)
     better = at.cost < new.cost[worse]
+    if not better.any():
+        return step, new
     windows = worse[better]
-    chosen = step.initial.copy()
-    chosen[windows] = settled[better]
-    sizes = np.diff(problem.shots.edges)
-    take = np.zeros(len(sizes), dtype=bool)
+    take = np.zeros(len(old), dtype=bool)
     take[windows] = True
-    rows, part_rows = np.repeat(take, sizes), np.repeat(better, sizes[worse])
+    told = replace(new, cost=_put(new.cost, take, at.cost[better]))
+    if not total_cost(problem, told, step.theta) < cost:
+        return step, told
+    part = replace(problem, shots=problem.shots.subset(windows))
+    mended = linearise_windows(part, step.theta, settled[better])
+    rows = np.repeat(take, np.diff(problem.shots.edges))
     merged = Linearisation(
-        _put(new.residuals, rows, at.residuals[part_rows]),
-        _put(new.hessian, take, at.hessian[better]),
-        _put(new.slope, take, at.slope[better]),
-        _put(new.cost, take, at.cost[better]),
-        _put(new.states, rows, at.states[part_rows]),
+        _put(new.residuals, rows, mended.residuals),
+        _put(new.hessian, take, mended.hessian),
+        _put(new.slope, take, mended.slope),
+        _put(new.cost, take, mended.cost),
+        _put(new.states, rows, mended.states),
     )
+    chosen = _put(step.initial, take, settled[better])
     return replace(step, initial=chosen), merged
 
 
@@ -203,7 +220,7 @@ def minimise(
         if near and damping <= GAUSS_NEWTON and np.isfinite(cost):
             return Optimum(theta, initial, here, cost, done, True, lost)
         new = linearise_windows(problem, step.theta, step.initial)
-        step, new = _repair(problem, step, new, initial, here.cost)
+        step, new = _repair(problem, step, new, (initial, here, cost))
         new_cost = total_cost(problem, new, step.theta)
         if new_cost < cost:
             # The first step out of where nothing could be simulated is not a small one.

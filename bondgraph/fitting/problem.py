@@ -11,7 +11,7 @@ so the cost is linear in the number of windows.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +80,11 @@ class FitProblem:
         values = self.start.astype(np.float64)
         values[self.free] = theta
         return values
+
+    def fixed_at(self, theta: Array) -> "FitProblem":
+        """Return the problem of the initial states alone, no parameter left free."""
+        nothing = np.zeros(0, dtype=np.int64)
+        return replace(self, start=self.with_parameters(theta), free=nothing)
 
 
 @dataclass(frozen=True, slots=True)

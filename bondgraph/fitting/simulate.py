@@ -142,7 +142,7 @@ def _fine_enough(ran: FittedModel) -> FittedModel:
         initial, at = settle(problem, theta, ran.optimum.initial, SETTLE_ITERATIONS)
         if not np.isfinite(at.cost).all():
             return ran
-        found = minimise(problem, theta, initial, iterations=0, settled=at)
+        found = minimise(problem, theta, initial, iterations=0)
         ran = replace(ran, problem=problem, optimum=found)
     return ran
 

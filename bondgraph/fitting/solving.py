@@ -45,15 +45,8 @@ def solve(
     if warm is not None:
         warm_states, there = settle(problem, *warm)
         if not total_cost(problem, here, start) <= total_cost(problem, there, warm[0]):
-            start, states, here = warm[0], warm_states, there
-    return minimise(
-        problem,
-        start,
-        states,
-        iterations=iterations,
-        tolerance=tolerance,
-        settled=here,
-    )
+            start, states = warm[0], warm_states
+    return minimise(problem, start, states, iterations=iterations, tolerance=tolerance)
 
 
 def solve_from(
