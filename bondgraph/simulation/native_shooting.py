@@ -15,8 +15,11 @@ from bondgraph.simulation.threads import in_parallel
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-WORTH_A_THREAD = 2000
-"""Samples; a shorter simulation ends before a thread has begun."""
+WORTH_A_THREAD = 4000
+"""Explicit steps; a shorter simulation ends before another thread has woken."""
+
+IMPLICIT_STEP = 4
+"""Explicit steps that take as long as an implicit one."""
 
 WORTH_OPTIMISING = 20_000
 """Samples; a fit to fewer ends before optimised code has won back its time."""
@@ -112,7 +115,7 @@ def run_native(
                 native.system, method, *given, *filled, first, last, run.done
             )
 
-    _share(simulate, len(run.done), n)
+    _share(simulate, len(run.done), n if explicit else IMPLICIT_STEP * n)
     lengths = np.diff(windows.edges)
     for window in np.flatnonzero(run.done < lengths):
         left = slice(
@@ -122,9 +125,9 @@ def run_native(
     return run
 
 
-def _share(simulate: Callable[[int, int], None], windows: int, samples: int) -> None:
+def _share(simulate: Callable[[int, int], None], windows: int, steps: int) -> None:
     """Simulate all windows, on several threads where they are long enough."""
-    if samples < WORTH_A_THREAD:
+    if steps < WORTH_A_THREAD:
         simulate(0, windows)
     else:
         in_parallel(simulate, windows)

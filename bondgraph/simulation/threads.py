@@ -1,12 +1,15 @@
 """Windows on several threads: compiled loops leave the interpreter to the others.
 
 Where several processes share the cores, each has one thread: ``BONDGRAPH_THREADS`` says
-how many, two by default.
+how many, two by default. The threads are kept: starting one takes as long as a short
+simulation.
 """
 
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
+from functools import cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -20,5 +23,20 @@ def in_parallel(work: Callable[[int, int], None], count: int) -> None:
         work(0, count)
         return
     edges = np.linspace(0, count, threads + 1).astype(int).tolist()
-    with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(work, edges[:-1], edges[1:]))
+    own, *others = pairwise(edges)
+    pool = _helpers(threads - 1)
+    begun = [pool.submit(work, *part) for part in others]
+    work(*own)
+    for done in begun:
+        done.result()
+
+
+@cache
+def _helpers(count: int) -> ThreadPoolExecutor:
+    """Return the threads beside the one that asks."""
+    return ThreadPoolExecutor(count, "bondgraph")
+
+
+# A forked process has none of its parent's threads.
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_helpers.cache_clear)
