@@ -271,13 +271,11 @@ def barely_known(
     scale = np.where(some, size, 1.0)
     inner = covariance / scale / scale[:, None]
     best: tuple[float, tuple[int, ...], Array] | None = None
-    for count in (2, 3):
-        for members in combinations(weak, count):
-            block = inner[np.ix_(members, members)]
-            for weights in _exponents(count):
-                told = math.sqrt(max(float(weights @ block @ weights), 0.0))
-                if best is None or told < best[0] / (1.0 + EASIER * (count > 2)):
-                    best = told, members, weights
+    for count in range(2, min(3, len(weak)) + 1):
+        members = np.array(list(combinations(weak, count)))
+        found = _told_best(inner, members, np.array(list(_exponents(count))))
+        if best is None or found[0] < best[0] / (1.0 + EASIER * (count > 2)):
+            best = found
     if best is None or best[0] * BETTER > min(share[i] for i in best[1]):
         return ()
     told, members, weights = best
@@ -292,11 +290,29 @@ def barely_known(
     return (sentence,)
 
 
-def _exponents(count: int) -> Iterator[Array]:
+def _told_best(
+    inner: Array, members: NDArray[np.int64], weights: Array
+) -> tuple[float, tuple[int, ...], Array]:
+    """Return the least error of a weighted sum of members, with these and its weights.
+
+    Parameters
+    ----------
+    members, weights
+        A row for each choice of parameters and of weights.
+    """
+    blocks = inner[members[:, :, None], members[:, None, :]]
+    variance = ((blocks @ weights.T) * weights.T).sum(axis=1)
+    told = np.sqrt(np.maximum(np.where(np.isnan(variance), np.inf, variance), 0.0))
+    row, column = np.unravel_index(np.argmin(told), told.shape)
+    chosen = tuple(int(i) for i in members[row])
+    return float(told[row, column]), chosen, weights[column]
+
+
+def _exponents(count: int) -> Iterator[tuple[int, ...]]:
     """Yield small whole exponents, none zero, the first positive."""
     for powers in product((1, -1, 2, -2), repeat=count):
         if powers[0] > 0 and math.gcd(*powers) == 1:
-            yield np.array(powers, dtype=float)
+            yield powers
 
 
 def _percent(share: float) -> str:

@@ -125,16 +125,17 @@ def _bending(
 
     level = about_zero("level", WEAKLY * smooth.size, values[middle])
     slope = about_zero("slope", WEAKLY * smooth.size / span, slopes[middle])
-    law = level.symbol + slope.symbol * (x - knots[middle])
+    terms = [level.symbol, slope.symbol * (x - knots[middle])]
     bends = []
     for i in range(1, len(knots) - 1):
         share = (knots[i + 1] - knots[i - 1]) / 2.0 / span
         std = smooth.roughness * smooth.size / span * share**0.5
         bend = about_zero(f"bend_{i}", std, slopes[i] - slopes[i - 1])
         away = x - knots[i]
-        law += bend.symbol * (sympy.Abs(away) + (away if i > middle else -away)) / 2
+        outwards = sympy.Abs(away) + (away if i > middle else -away)
+        terms.append(bend.symbol * outwards / 2)
         bends.append(bend)
-    return law, (level, slope, *bends)
+    return sympy.Add(*terms), (level, slope, *bends)
 
 
 def _divided(knots: Knots, pieces: int) -> Knots:

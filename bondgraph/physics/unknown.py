@@ -5,8 +5,9 @@ the honest answer is the curve. A curve of the displacement may also tell how la
 friction is along the way, or how a ratio changes.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import sympy
 
@@ -45,18 +46,25 @@ class UnknownRelation(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield curves of what is local at a junction, an input, a TF or a GY."""
+        return (form() for form in self.forms(place))
+
+    def forms(self, place: Place) -> Iterator[Callable[[], Hypothesis]]:
+        """Yield what makes each of these curves; a finely drawn one is long to write.
+
+        In the same order however smooth they are.
+        """
         if isinstance(place, OneJunctionPlace):
-            yield self._curve(place, f, F)
+            yield partial(self._curve, place, f, F)
             if place.displacement_known:
-                yield self._curve(place, q, Q)
+                yield partial(self._curve, place, q, Q)
                 if place.domain in MECHANICAL:
-                    yield self._rubbing(place)
-                    yield self._damping(place)
+                    yield partial(self._rubbing, place)
+                    yield partial(self._damping, place)
         elif isinstance(place, JunctionPlace):
-            yield self._curve(place, e, E)
+            yield partial(self._curve, place, e, E)
         elif isinstance(place, InputPlace):
-            yield self._of_input(place)
-            yield self._gain(place)
+            yield partial(self._of_input, place)
+            yield partial(self._gain, place)
         elif isinstance(place, ElementPlace):
             yield from self._ratios(place)
 
@@ -148,7 +156,7 @@ class UnknownRelation(AbstractPhysics):
         found = self.hypothesis(place, edit, law, own, words)
         return replace(found, factor=factor)
 
-    def _ratios(self, place: ElementPlace) -> Iterator[Hypothesis]:
+    def _ratios(self, place: ElementPlace) -> Iterator[Callable[[], Hypothesis]]:
         """Make a ratio a curve of a displacement beside it."""
         if not isinstance(place.element, Transformer | Gyrator):
             return
@@ -157,7 +165,7 @@ class UnknownRelation(AbstractPhysics):
                 continue
             beside = junction_place(place.graph, name, place.scales)
             if beside.domain in MECHANICAL and beside.displacement_known:
-                yield self._ratio(place, beside)
+                yield partial(self._ratio, place, beside)
 
     def _ratio(self, place: ElementPlace, beside: JunctionPlace) -> Hypothesis:
         size = beside.displacement

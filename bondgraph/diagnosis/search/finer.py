@@ -90,11 +90,12 @@ def _proposed(
     bench: Bench, first: Hypothesis, physics: UnknownRelation
 ) -> Hypothesis | None:
     """Return the same curve as another form of the physics proposes it."""
-    proposed = [
-        hypothesis
+    plain = UnknownRelation()
+    same = [
+        finer
         for place in all_places(bench.base.graph, measure_scales(bench.base))
         if place.name == first.place
-        for hypothesis in physics.propose(place)
-        if hypothesis.words == first.words
+        for form, finer in zip(plain.forms(place), physics.forms(place), strict=True)
+        if form().words == first.words
     ]
-    return proposed[0] if len(proposed) == 1 else None
+    return same[0]() if len(same) == 1 else None
