@@ -18,7 +18,7 @@ from benchmarks.concealed.recording import Nuisance
 from benchmarks.concealed.running import run_in_one_process
 from benchmarks.concealed.scoring import Outcome, Scored, score
 
-SAMPLES = 1500
+SAMPLES = 1000
 STRENGTH = 25.0
 SEED = 404
 EMPTY = ("cart", "pendulum", "two_tanks")
