@@ -6,6 +6,7 @@ from dataclasses import replace
 from handmade_diagnosis import cart_diagnosis, estimate, evidence
 
 from bondgraph.diagnosis.records import Diagnosis, Evidence, Support
+from bondgraph.reporting.page.evidence import best_of_each
 from bondgraph.reporting.report import report_html
 
 POINTS = 8
@@ -43,6 +44,14 @@ def without_a_name() -> Diagnosis:
         findings=(replace(finding, physics="unknown_relation", estimates=points),),
         fit_after=replace(after, estimates=(*after.estimates[:2], *points)),
     )
+
+
+def test_of_a_law_tried_in_several_ways_the_best_that_stands_is_considered():
+    one_number_more = hysteresis(Support.REFUTED)
+    plain = replace(hysteresis(Support.SUPPORTED), gain=0.45)
+    worse = replace(plain, gain=0.2)
+    assert best_of_each([one_number_more, plain, worse]) == [plain]
+    assert best_of_each([one_number_more]) == [one_number_more]
 
 
 def test_a_rival_that_was_tried_in_several_ways_is_named_once_as_its_best_way():

@@ -9,11 +9,12 @@ from bondgraph.cli.session import Loudness, Session
 from bondgraph.cli.terminal import table_style
 from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.diagnose import Options, diagnose
-from bondgraph.diagnosis.records import Diagnosis, Evidence, Support, Verdict
+from bondgraph.diagnosis.records import Diagnosis, Support, Verdict
 from bondgraph.diagnosis.work.workers import Here, Where
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.reporting.diagnosis_json import delivered, diagnosis_to_dict
+from bondgraph.reporting.page.evidence import best_of_each
 from bondgraph.reporting.report import report_html
 from bondgraph.reporting.tables import (
     candidates_table,
@@ -150,7 +151,7 @@ def _told(session: Session, diagnosis: Diagnosis) -> Iterator[str]:
     yield from _errors(diagnosis)
     if diagnosis.candidates:
         yield "Considered, judged on left-out parts of the training recordings"
-        different = _best_of_each(diagnosis.candidates)
+        different = best_of_each(diagnosis.candidates)
         shown = len(different) if session.verbose else SHOWN_CANDIDATES
         yield candidates_table(different[:shown], **table_style(session))
         more = len(different) - shown
@@ -181,17 +182,6 @@ def _of_curves(diagnosis: Diagnosis) -> frozenset[str]:
         for estimate in finding.estimates
         if finding.physics == "unknown_relation"
     )
-
-
-def _best_of_each(candidates: Sequence[Evidence]) -> list[Evidence]:
-    """Return the first candidate of each law at each place, which is the best.
-
-    A law may be tried at a place in several ways; a table has no use for all of them.
-    """
-    best: dict[tuple[str, str], Evidence] = {}
-    for candidate in candidates:
-        best.setdefault((candidate.physics, candidate.place), candidate)
-    return list(best.values())
 
 
 def _few(notes: Sequence[str], most: int) -> Iterator[str]:

@@ -8,6 +8,7 @@ from bondgraph.diagnosis.records import Diagnosis, Evidence, Finding, Support
 from bondgraph.reporting.wording import sentence_start
 
 SHOWN = 8
+STANDING = (Support.SUPPORTED, Support.UNDECIDED, Support.REFUTED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,18 +48,10 @@ class Considered:
 def considered(
     candidates: Sequence[Evidence], findings: Sequence[Finding] = ()
 ) -> Considered:
-    """Return the candidates of a page, in the order given, and which were found.
-
-    A law may be tried at a place in several ways, of which the first is the best.
-    """
+    """Return the candidates of a page, in the order given, and which were found."""
     found = {(one.physics, one.place) for one in findings}
-    seen: set[tuple[str, str]] = set()
-    shown: list[Evidence] = []
-    folded: list[Evidence] = []
-    for one in candidates:
-        first = (one.physics, one.place) not in seen
-        seen.add((one.physics, one.place))
-        (shown if first and len(shown) < SHOWN else folded).append(one)
+    shown = best_of_each(candidates)[:SHOWN]
+    folded = [one for one in candidates if not any(one is other for other in shown)]
     least = min((one.gain - one.gain_std for one in candidates), default=0.0)
     low = max(min(least, 0.0), -1.0)
 
@@ -76,6 +69,21 @@ def considered(
         zero=100 * -low / (1.0 - low),
         held_out_known=any(one.held_out_nrmse is not None for one in candidates),
     )
+
+
+def best_of_each(candidates: Sequence[Evidence]) -> list[Evidence]:
+    """Return of each law at each place the best of the ways in which it was tried.
+
+    The first of those that stand: one with a number too many may fit best of all and
+    is refuted for it.
+    """
+    best: dict[tuple[str, str], Evidence] = {}
+    for one in candidates:
+        key = (one.physics, one.place)
+        other = best.setdefault(key, one)
+        if STANDING.index(one.support) < STANDING.index(other.support):
+            best[key] = one
+    return list(best.values())
 
 
 def rivals(finding: Finding) -> tuple[tuple[str, ...], tuple[str, ...]]:
