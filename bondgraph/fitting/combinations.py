@@ -272,8 +272,8 @@ def barely_known(
     inner = covariance / scale / scale[:, None]
     best: tuple[float, tuple[int, ...], Array] | None = None
     for count in range(2, min(3, len(weak)) + 1):
-        members = np.array(list(combinations(weak, count)))
-        found = _told_best(inner, members, np.array(list(_exponents(count))))
+        choices = np.array(list(combinations(weak, count)))
+        found = _told_best(inner, choices, np.array(list(_exponents(count))))
         if best is None or found[0] < best[0] / (1.0 + EASIER * (count > 2)):
             best = found
     if best is None or best[0] * BETTER > min(share[i] for i in best[1]):
@@ -291,21 +291,21 @@ def barely_known(
 
 
 def _told_best(
-    inner: Array, members: NDArray[np.int64], weights: Array
+    inner: Array, choices: NDArray[np.int64], weights: Array
 ) -> tuple[float, tuple[int, ...], Array]:
-    """Return the least error of a weighted sum of members, with these and its weights.
+    """Return the least error of a weighted sum, with its members and weights.
 
     Parameters
     ----------
-    members, weights
+    choices, weights
         A row for each choice of parameters and of weights.
     """
-    blocks = inner[members[:, :, None], members[:, None, :]]
+    blocks = inner[choices[:, :, None], choices[:, None, :]]
     variance = ((blocks @ weights.T) * weights.T).sum(axis=1)
     told = np.sqrt(np.maximum(np.where(np.isnan(variance), np.inf, variance), 0.0))
     row, column = np.unravel_index(np.argmin(told), told.shape)
-    chosen = tuple(int(i) for i in members[row])
-    return float(told[row, column]), chosen, weights[column]
+    members = tuple(int(i) for i in choices[row])
+    return float(told[row, column]), members, weights[column]
 
 
 def _exponents(count: int) -> Iterator[tuple[int, ...]]:
