@@ -19,7 +19,7 @@ def multisine(time, seed, size):
 def cart(
     seed,
     *,
-    duration=12.0,
+    duration=8.0,
     step=0.005,
     noise=2e-4,
     mass=1.3,
