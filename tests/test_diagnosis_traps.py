@@ -16,7 +16,7 @@ from bondgraph.recordings.binding import bind
 from bondgraph.recordings.recording import Recording
 from bondgraph.simulation.solvers import Hold
 
-STEP, FINE, DURATION = 0.005, 10, 10.0
+STEP, FINE, DURATION = 0.005, 10, 6.0
 TIME = np.arange(0.0, DURATION, STEP)
 
 

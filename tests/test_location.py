@@ -13,8 +13,7 @@ from bondgraph.diagnosis.virtual.sources import chosen_sources
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import fit_model
 
-# Of a stiff coupling whose law is missing, the fit has not come to its end after 60.
-SETTINGS = FitSettings(horizon=Windows(83), solver=Sdirk2(substeps=2), iterations=150)
+SETTINGS = FitSettings(horizon=Windows(83), solver=Sdirk2(substeps=2))
 
 
 def fitted(truth, *, load_encoder, seed=0, samples=1000):

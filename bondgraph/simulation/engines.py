@@ -42,7 +42,7 @@ class WhenItPays:
         The longest tape that is compiled; the time grows with its length.
     """
 
-    samples: int = 400
+    samples: int = 250
     operations: int = 2000
 
     def compiles(self, model: NumericModel, samples: int) -> bool:

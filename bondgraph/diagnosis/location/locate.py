@@ -25,6 +25,7 @@ from bondgraph.diagnosis.location.references import (
     better_reference,
     moved,
     settled_at,
+    unmoved_at,
 )
 from bondgraph.diagnosis.location.regression import (
     Baseline,
@@ -148,14 +149,20 @@ def _found(
 ) -> _Found | None:
     """Smooth the signal at a place and try every law on what is local there.
 
-    None where the model cannot be simulated with what the signal would make of it.
+    None where the model cannot be simulated with what the signal would make of it, nor
+    as it is.
     """
     fitted, noise = setting.fitted, setting.noise
-    settled = settled_at(fitted, setting.virtual, source, reference, first, noise)
-    chain, states = settled.chain, settled.smoothed.states
-    base = baseline(chain, noise, settled.std, settled.center - settled.theta)
-    if not np.isfinite(base.target).all():
+    for smoothed_at in (settled_at, unmoved_at):
+        settled = smoothed_at(fitted, setting.virtual, source, reference, first, noise)
+        base = baseline(
+            settled.chain, noise, settled.std, settled.center - settled.theta
+        )
+        if np.isfinite(base.target).all():
+            break
+    else:
         return None
+    chain, states = settled.chain, settled.smoothed.states
     laws, own = _laws(setting, source, chain, settled.theta, states)
     tried = tuple(_try(setting, settled, base, chain, settled.theta, x) for x in laws)
     without = explain(base, np.zeros((len(base.target), 0))).left / base.target.size

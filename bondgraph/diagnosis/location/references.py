@@ -108,6 +108,27 @@ def settled_at(
     return Settled(chain, smoothed, theta, reference.center, reference.std)
 
 
+def unmoved_at(
+    fitted: FittedModel,
+    virtual: VirtualModel,
+    source: VirtualSource,
+    reference: Reference,
+    first: "First",
+    noise: Array,
+) -> Settled:
+    """Return one place smoothed at the reference itself.
+
+    For where nothing can be simulated with the parameters that it would move to: those
+    of a stiff coupling may lead anywhere.
+    """
+    theta = reference.theta
+    chain = linear_chain(
+        fitted, (source,), virtual=virtual, theta=theta, states=reference.states
+    )
+    smoothed = smooth(chain, _priors(reference, theta, noise), first.process)
+    return Settled(chain, smoothed, theta, reference.center, reference.std)
+
+
 @dataclass(frozen=True, slots=True)
 class First:
     """A first smoothing, over a part of long recordings: parameters and process."""
