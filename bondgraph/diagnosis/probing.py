@@ -17,8 +17,8 @@ from bondgraph.equations.derivation import derive
 from bondgraph.equations.state_equations import State
 from bondgraph.fitting.estimate import FittedModel, pose, prepare
 from bondgraph.fitting.horizon import Horizon, cut
-from bondgraph.fitting.levenberg_marquardt import settle
 from bondgraph.fitting.problem import truncated_inverse
+from bondgraph.fitting.settling import settle
 from bondgraph.numeric.model import compile_model
 from bondgraph.physics.places.displacements import known_displacement
 from bondgraph.physics.places.junction import junction_place

@@ -14,10 +14,11 @@ from bondgraph.fitting.first_states import first_guess
 from bondgraph.fitting.growing import cut_finer
 from bondgraph.fitting.horizon import SHORTEST, WholeRecordings, cut
 from bondgraph.fitting.kalman_choices import KalmanFilter
-from bondgraph.fitting.levenberg_marquardt import minimise, settle
+from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.fitting.posing import pose, prepare
 from bondgraph.fitting.problem import FitProblem, Linearisation
 from bondgraph.fitting.settings import FitSettings
+from bondgraph.fitting.settling import settle
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.shooting import Shots
 from bondgraph.structure.graph import FinishedGraph

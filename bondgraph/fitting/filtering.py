@@ -23,8 +23,8 @@ from bondgraph.fitting.first_states import first_guess
 from bondgraph.fitting.growing import cut_finer
 from bondgraph.fitting.horizon import SHORTEST
 from bondgraph.fitting.kalman_choices import Extended, Unscented
-from bondgraph.fitting.levenberg_marquardt import settle
 from bondgraph.fitting.point_filter import filtered_by_points
+from bondgraph.fitting.settling import settle
 from bondgraph.numeric.states_read import with_states_read
 from bondgraph.simulation.shooting import shoot
 

@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.fitting.horizon import SHORTEST
-from bondgraph.fitting.levenberg_marquardt import by_window, settle
 from bondgraph.fitting.problem import FitProblem, Linearisation
+from bondgraph.fitting.settling import by_window, settle
 from bondgraph.numeric.held_modes import with_modes_given
 from bondgraph.recordings.spread import spread
 from bondgraph.simulation.solvers import Sdirk2

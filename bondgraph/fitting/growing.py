@@ -12,8 +12,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.levenberg_marquardt import Optimum, minimise, settle
+from bondgraph.fitting.levenberg_marquardt import Optimum, minimise
 from bondgraph.fitting.problem import FitProblem
+from bondgraph.fitting.settling import settle
 from bondgraph.fitting.strategy import GrowingWindows
 from bondgraph.simulation.shooting import Shots
 

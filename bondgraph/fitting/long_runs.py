@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from bondgraph.fitting.estimate import FittedModel, first_guess, pose, score
 from bondgraph.fitting.horizon import Horizon, WholeRecordings, Windows, cut
-from bondgraph.fitting.levenberg_marquardt import by_window, settle
 from bondgraph.fitting.problem import FitProblem, Linearisation
 from bondgraph.fitting.result import Score
+from bondgraph.fitting.settling import by_window, settle
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.solvers import implicit
 

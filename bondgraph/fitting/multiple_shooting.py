@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from bondgraph.fitting.first_states import first_guess
 from bondgraph.fitting.growing import cut_finer, held_weakly
-from bondgraph.fitting.levenberg_marquardt import settle
 from bondgraph.fitting.problem import FitProblem, parts, prior_residuals
+from bondgraph.fitting.settling import settle
 from bondgraph.fitting.strategy import MultipleShooting
 from bondgraph.numeric.states_read import with_states_read
 from bondgraph.simulation.shooting import Shots

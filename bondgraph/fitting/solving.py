@@ -5,9 +5,10 @@ from numpy.typing import NDArray
 
 from bondgraph.fitting.first_states import first_guess
 from bondgraph.fitting.growing import first_windows, grow
-from bondgraph.fitting.levenberg_marquardt import Optimum, minimise, settle
+from bondgraph.fitting.levenberg_marquardt import Optimum, minimise
 from bondgraph.fitting.multiple_shooting import shoot_multiply
 from bondgraph.fitting.problem import FitProblem
+from bondgraph.fitting.settling import settle
 from bondgraph.fitting.starts import Starts, start_values
 from bondgraph.fitting.steps import total_cost
 from bondgraph.fitting.strategy import (

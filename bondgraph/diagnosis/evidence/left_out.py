@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from bondgraph.diagnosis.evidence.surprise import surprise
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.horizon import SHORTEST
-from bondgraph.fitting.levenberg_marquardt import minimise, settle
+from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.fitting.problem import FitProblem, linearise_windows
+from bondgraph.fitting.settling import settle
 from bondgraph.fitting.uncertainty import correlation_time
 
 Array = NDArray[np.float64]

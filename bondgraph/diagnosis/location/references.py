@@ -22,7 +22,7 @@ from bondgraph.diagnosis.location.smoothing import (
 from bondgraph.diagnosis.virtual.chain import Chain, linear_chain, trajectory
 from bondgraph.diagnosis.virtual.sources import VirtualModel, VirtualSource
 from bondgraph.fitting.estimate import FittedModel
-from bondgraph.fitting.levenberg_marquardt import settle
+from bondgraph.fitting.settling import settle
 
 Array = NDArray[np.float64]
 NEAR = 0.3

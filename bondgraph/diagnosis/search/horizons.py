@@ -28,8 +28,9 @@ from bondgraph.fitting.horizon import (
     Windows,
     cut,
 )
-from bondgraph.fitting.levenberg_marquardt import minimise, settle
+from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.fitting.long_runs import simulate_whole
+from bondgraph.fitting.settling import settle
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
 

@@ -25,12 +25,9 @@ from bondgraph.diagnosis.search.surrogates import Baseline
 from bondgraph.diagnosis.work.journal import Plain
 from bondgraph.errors import BondGraphError, EquationError
 from bondgraph.fitting.estimate import FittedModel, first_guess
-from bondgraph.fitting.levenberg_marquardt import (
-    Optimum,
-    minimise,
-    settle,
-)
+from bondgraph.fitting.levenberg_marquardt import Optimum, minimise
 from bondgraph.fitting.problem import FitProblem, linearise_windows
+from bondgraph.fitting.settling import settle
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.simulation.solvers import Solver
 
