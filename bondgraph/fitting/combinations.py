@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, product
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,9 @@ NOTHING = 1e-9
 BARELY, BETTER, EASIER = 1 / 3, 5.0, 1.0
 """A relative std that says little; how much better a combination must be; and how much
 better one of three must be than one of two."""
+
+AT_A_TIME = 10_000
+"""Choices of parameters looked at together: some megabytes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -273,7 +277,12 @@ def barely_known(
     best: tuple[float, tuple[int, ...], Array] | None = None
     for count in range(2, min(3, len(weak)) + 1):
         choices = np.array(list(combinations(weak, count)))
-        found = _told_best(inner, choices, np.array(list(_exponents(count))))
+        weights = np.array(list(_exponents(count)))
+        # In parts, so that memory stays small among many parameters.
+        parts = np.array_split(choices, 1 + len(choices) // AT_A_TIME)
+        found = min(
+            (_told_best(inner, part, weights) for part in parts), key=itemgetter(0)
+        )
         if best is None or found[0] < best[0] / (1.0 + EASIER * (count > 2)):
             best = found
     if best is None or best[0] * BETTER > min(share[i] for i in best[1]):

@@ -25,10 +25,20 @@ def in_parallel(work: Callable[[int, int], None], count: int) -> None:
     edges = np.linspace(0, count, threads + 1).astype(int).tolist()
     own, *others = pairwise(edges)
     pool = _helpers(threads - 1)
-    begun = [pool.submit(work, *part) for part in others]
-    work(*own)
-    for done in begun:
-        done.result()
+    begun = [(part, pool.submit(work, *part)) for part in others]
+    try:
+        work(*own)
+        for part, helper in begun:
+            # What no helper has begun, busy for somebody else, is done here.
+            if helper.cancel():
+                work(*part)
+            else:
+                helper.result()
+    finally:
+        # Whatever is interrupted: what a loop still reads must not be let go of.
+        for _, helper in begun:
+            if not helper.cancel():
+                helper.exception()
 
 
 @cache

@@ -7,7 +7,7 @@ move to what the smoothing finds.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,16 +96,14 @@ def settled_at(
     noise: Array,
 ) -> Settled:
     """Return one place smoothed, and the chain at what the smoothing found."""
-    theta = moved(fitted, reference.center, first.theta)
-    chain = linear_chain(
-        fitted, (source,), virtual=virtual, theta=theta, states=reference.states
-    )
-    smoothed = smooth(chain, _priors(reference, theta, noise), first.process)
-    theta = moved(fitted, reference.center, smoothed.theta + theta)
+    begin = moved(fitted, reference.center, first.theta)
+    near = _smoothed(fitted, virtual, source, reference, first, noise, begin)
+    smoothed = near.smoothed
+    theta = moved(fitted, reference.center, smoothed.theta + begin)
     chain = linear_chain(
         fitted, (source,), virtual=virtual, theta=theta, states=smoothed.states
     )
-    return Settled(chain, smoothed, theta, reference.center, reference.std)
+    return replace(near, chain=chain, theta=theta)
 
 
 def unmoved_at(
@@ -121,7 +119,20 @@ def unmoved_at(
     For where nothing can be simulated with the parameters that it would move to: those
     of a stiff coupling may lead anywhere.
     """
-    theta = reference.theta
+    at = reference.theta
+    return _smoothed(fitted, virtual, source, reference, first, noise, at)
+
+
+def _smoothed(
+    fitted: FittedModel,
+    virtual: VirtualModel,
+    source: VirtualSource,
+    reference: Reference,
+    first: "First",
+    noise: Array,
+    theta: Array,
+) -> Settled:
+    """Return one place smoothed with these parameters, its chain taken there."""
     chain = linear_chain(
         fitted, (source,), virtual=virtual, theta=theta, states=reference.states
     )

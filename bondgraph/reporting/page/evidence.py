@@ -9,6 +9,7 @@ from bondgraph.reporting.wording import sentence_start
 
 SHOWN = 8
 STANDING = (Support.SUPPORTED, Support.UNDECIDED, Support.REFUTED)
+"""Which of two ways to try a law stands before the other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +52,8 @@ def considered(
     """Return the candidates of a page, in the order given, and which were found."""
     found = {(one.physics, one.place) for one in findings}
     shown = best_of_each(candidates)[:SHOWN]
-    folded = [one for one in candidates if not any(one is other for other in shown)]
+    seen = {id(one) for one in shown}
+    folded = [one for one in candidates if id(one) not in seen]
     least = min((one.gain - one.gain_std for one in candidates), default=0.0)
     low = max(min(least, 0.0), -1.0)
 
