@@ -51,6 +51,8 @@ def test_of_a_law_tried_in_several_ways_the_best_that_stands_is_considered():
     plain = replace(hysteresis(Support.SUPPORTED), gain=0.45)
     worse = replace(plain, gain=0.2)
     assert best_of_each([one_number_more, plain, worse]) == [plain]
+    other = replace(one_number_more, physics="spring", gain=0.47)
+    assert best_of_each([one_number_more, other, plain]) == [other, plain]
     assert best_of_each([one_number_more]) == [one_number_more]
 
 

@@ -9,7 +9,7 @@ from bondgraph.reporting.wording import sentence_start
 
 SHOWN = 8
 STANDING = (Support.SUPPORTED, Support.UNDECIDED, Support.REFUTED)
-"""Which of two ways to try a law stands before the other."""
+"""What comes first is the better way to have tried a law."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,15 +77,15 @@ def best_of_each(candidates: Sequence[Evidence]) -> list[Evidence]:
     """Return of each law at each place the best of the ways in which it was tried.
 
     The first of those that stand: one with a number too many may fit best of all and
-    is refuted for it.
+    is refuted for it. In the order given.
     """
     best: dict[tuple[str, str], Evidence] = {}
-    for one in candidates:
-        key = (one.physics, one.place)
-        other = best.setdefault(key, one)
-        if STANDING.index(one.support) < STANDING.index(other.support):
-            best[key] = one
-    return list(best.values())
+    for standing in STANDING:
+        for one in candidates:
+            if one.support is standing:
+                best.setdefault((one.physics, one.place), one)
+    chosen = {id(one) for one in best.values()}
+    return [one for one in candidates if id(one) in chosen]
 
 
 def rivals(finding: Finding) -> tuple[tuple[str, ...], tuple[str, ...]]:
