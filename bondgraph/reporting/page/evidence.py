@@ -51,23 +51,23 @@ def considered(
 ) -> Considered:
     """Return the candidates of a page, in the order given, and which were found."""
     found = {(one.physics, one.place) for one in findings}
-    shown = best_of_each(candidates)[:SHOWN]
-    seen = {id(one) for one in shown}
-    folded = [one for one in candidates if id(one) not in seen]
+    best = _best_of_each(candidates)[:SHOWN]
+    shown = [candidates[i] for i in best]
+    folded = [one for i, one in enumerate(candidates) if i not in best]
     least = min((one.gain - one.gain_std for one in candidates), default=0.0)
     low = max(min(least, 0.0), -1.0)
 
-    def placed(one: Evidence, *, best: bool) -> Row:
+    def placed(one: Evidence, *, leading: bool) -> Row:
         low_end, value, high_end = (
             100 * (min(max(gain, low), 1.0) - low) / (1.0 - low)
             for gain in (one.gain - one.gain_std, one.gain, one.gain + one.gain_std)
         )
-        chosen = best and (one.physics, one.place) in found
+        chosen = leading and (one.physics, one.place) in found
         return Row(one, Whisker(low_end, value, high_end), chosen)
 
     return Considered(
-        shown=tuple(placed(one, best=True) for one in shown),
-        folded=tuple(placed(one, best=False) for one in folded),
+        shown=tuple(placed(one, leading=True) for one in shown),
+        folded=tuple(placed(one, leading=False) for one in folded),
         zero=100 * -low / (1.0 - low),
         held_out_known=any(one.held_out_nrmse is not None for one in candidates),
     )
@@ -79,13 +79,17 @@ def best_of_each(candidates: Sequence[Evidence]) -> list[Evidence]:
     The first of those that stand: one with a number too many may fit best of all and
     is refuted for it. In the order given.
     """
-    best: dict[tuple[str, str], Evidence] = {}
+    return [candidates[i] for i in _best_of_each(candidates)]
+
+
+def _best_of_each(candidates: Sequence[Evidence]) -> list[int]:
+    """Return where the best of each stands, in order."""
+    best: dict[tuple[str, str], int] = {}
     for standing in STANDING:
-        for one in candidates:
+        for i, one in enumerate(candidates):
             if one.support is standing:
-                best.setdefault((one.physics, one.place), one)
-    chosen = {id(one) for one in best.values()}
-    return [one for one in candidates if id(one) in chosen]
+                best.setdefault((one.physics, one.place), i)
+    return sorted(best.values())
 
 
 def rivals(finding: Finding) -> tuple[tuple[str, ...], tuple[str, ...]]:
