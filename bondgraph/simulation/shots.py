@@ -40,6 +40,11 @@ class Shots:
         """Number of windows."""
         return len(self.edges) - 1
 
+    @property
+    def timeless(self) -> bool:
+        """Whether every sample is a window of its own, as in a steady table."""
+        return self.n_windows == len(self.time)
+
     @cached_property
     def slices(self) -> tuple[slice, ...]:
         """The windows as slices."""

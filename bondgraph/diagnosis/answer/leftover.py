@@ -8,10 +8,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.virtual.noise import output_noise
+from bondgraph.diagnosis.virtual.noise import channel_noise, output_noise
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
-from bondgraph.recordings.noise import NoiseEstimate, estimate_noise
+from bondgraph.recordings.noise import NoiseEstimate
 from bondgraph.recordings.spread import spread
 
 Array = NDArray[np.float64]
@@ -39,7 +39,7 @@ def excusable(recordings: Sequence[BoundRecording]) -> Array:
     within which rounding follows the motion and looks like physics.
     """
     certain = [
-        [_excused(one) for one in _noise(recordings, output)]
+        [_excused(one) for one in channel_noise(recordings, output)]
         for output in range(len(recordings[0].output_names))
     ]
     return np.array([min(excuses, default=0.0) for excuses in certain])
@@ -48,12 +48,6 @@ def excusable(recordings: Sequence[BoundRecording]) -> Array:
 def _excused(noise: NoiseEstimate) -> float:
     step = 0.0 if noise.quantisation is None else noise.quantisation
     return max(noise.std if noise.white else 0.0, step / 2)
-
-
-def _noise(recordings: Sequence[BoundRecording], output: int) -> list[NoiseEstimate]:
-    return [
-        estimate_noise(r.time, r.outputs[:, output]) for r in recordings if not r.steady
-    ]
 
 
 def residual_over_noise(

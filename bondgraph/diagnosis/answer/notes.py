@@ -17,6 +17,9 @@ from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.windows import SHORTEST_WINDOW, stretches
 
+MOST_WITH_PLACES = 6
+"""More laws than these are listed by name alone, each once."""
+
 
 def notes_on(
     rounds: Sequence[Round], after: FitResult, options: Options
@@ -57,18 +60,24 @@ def _left_aside(rounds: Sequence[Round]) -> list[str]:
     chosen = [found.chosen for found in rounds if found.chosen is not None]
     # What was found was left aside in another form only.
     told = {(one.physics, one.place) for one in chosen}
-    by_reason: dict[str, dict[str, None]] = {}
+    by_reason: dict[str, dict[tuple[str, str], None]] = {}
     for rejected in (one for found in rounds for one in found.rejected):
         law = rejected.hypothesis
         # What there was no time for is told once, of all laws.
         if rejected.reason != OUT_OF_TIME and (law.physics, law.place) not in told:
-            name = f"{name_of(law.physics)} at {law.place}"
-            by_reason.setdefault(rejected.reason, {})[name] = None
+            by_reason.setdefault(rejected.reason, {})[law.physics, law.place] = None
     return [
-        f"{_capital(listed(list(laws), 'and'))} "
+        f"{_capital(_laws_by_name(list(laws)))} "
         f"{'was' if len(laws) == 1 else 'were'} left aside: {reason}"
         for reason, laws in by_reason.items()
     ]
+
+
+def _laws_by_name(laws: Sequence[tuple[str, str]]) -> str:
+    """Return laws with their places, or by name alone where there are many."""
+    if len(laws) <= MOST_WITH_PLACES:
+        return listed([f"{name_of(law)} at {place}" for law, place in laws], "and")
+    return listed(list(dict.fromkeys(name_of(law) for law, _ in laws)), "and")
 
 
 def notes_on_gaps(recordings: Sequence[BoundRecording]) -> tuple[str, ...]:

@@ -41,6 +41,8 @@ class Setting:
         What earlier rounds have added and not taken out: no law is added twice.
     curves
         Whether curves without a name are considered.
+    supported
+        Laws that earlier rounds supported beside the one that they chose.
     """
 
     base: FittedModel
@@ -50,11 +52,16 @@ class Setting:
     number: int
     found: tuple[Hypothesis, ...]
     curves: bool
+    supported: tuple[Hypothesis, ...] = ()
 
     @property
     def is_first(self) -> bool:
         """Whether this is the first round."""
         return self.number == 1
+
+    def was_supported(self, hypothesis: Hypothesis) -> bool:
+        """Return whether an earlier round supported this law, of another model."""
+        return any(one.told_by == hypothesis.told_by for one in self.supported)
 
     def holds(self, candidate: Candidate) -> bool:
         """Return whether whole recordings are simulated about as well with it."""

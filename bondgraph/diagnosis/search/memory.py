@@ -24,8 +24,6 @@ SHOWS = 0.95
 recordings of a machine that drifts off differ by so much whatever is added.
 """
 
-NO_TIME = "a table without time shows nothing that remembers"
-
 
 def remembering(
     base: FittedModel,
@@ -34,13 +32,8 @@ def remembering(
 ) -> tuple[list[Candidate], tuple[Rejected, ...]]:
     """Return the candidates that carry their memory on, and the others.
 
-    Candidates that add no state pass; so do all where windows are whole recordings. In
-    a steady table every row has states of its own, and none is shown to remember.
+    Candidates that add no state pass; so do all where windows are whole recordings.
     """
-    if any(recording.steady for recording in recordings):
-        timeless = [c for c in candidates if _remembers(base, c)]
-        passing = [c for c in candidates if not _remembers(base, c)]
-        return passing, tuple(Rejected(c.hypothesis, NO_TIME) for c in timeless)
     plain = [c.fitted for c in candidates if not _remembers(base, c)]
     whole = base.problem.shots.n_windows <= len(recordings)
     if whole or len(plain) == len(candidates):

@@ -76,6 +76,17 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
             if not _suffices(seen, setting):
                 fitted = fit(bench, others, HOPELESS, options.judged)
                 seen = _judged(setting, bench, fitted, order, tried, seen)
+    if setting.supported and not _suffices(seen, setting):
+        # What remembers was worth its fit before, whatever it promises from here.
+        first = {id(one.hypothesis) for one in leading}
+        again = [
+            one
+            for one in screened.promised
+            if setting.was_supported(one.hypothesis) and id(one.hypothesis) not in first
+        ]
+        tried = screened.independent + len(again)
+        fitted = fit_remembering(bench, again, HOPELESS, options.judged)
+        seen = _judged(setting, bench, fitted, order, tried, seen)
     verdicts, chosen = seen.verdicts, seen.verdicts.chosen
     first_choice = chosen
     if chosen is not None and verdicts.before is not None:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.search.steps import coarser
+from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel, pose, prepare
 from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.fitting.problem import FitProblem, Linearisation
@@ -21,6 +22,7 @@ SCREENED = 20_000
 """Samples that screening reads at most; what matters shows in so many."""
 
 PIECES = 10
+NO_TIME = "a table without time shows nothing that remembers"
 THINNED_ITERATIONS = 5
 
 
@@ -42,10 +44,18 @@ def pose_hypothesis(
     ----------
     solver
         The base model's, where it suits, when None.
+
+    Raises
+    ------
+    BondGraphError
+        If it adds a state and the data are a steady table: a state of its own in every
+        row would explain anything.
     """
     graph = hypothesis.apply(base.graph)
     model = prepare(graph)
     old = base.problem
+    if old.shots.timeless and model.n_states > old.model.n_states:
+        raise BondGraphError(NO_TIME, (hypothesis.place,))
     problem = pose(graph, model, old.shots, base.settings, old.sigma)
     start = dict(zip(old.model.parameter_names, old.start, strict=True))
     centre = [

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.search.candidates import Candidate, Promised, Rejected
+from bondgraph.diagnosis.records import Support
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import Hypothesis
 
@@ -54,6 +55,16 @@ def accepted(rounds: Sequence[Round]) -> list[Round]:
         if found.chosen is not None
         and id(found.chosen.candidate.hypothesis) not in removed
     ]
+
+
+def supported_in(rounds: Sequence[Round]) -> tuple[Hypothesis, ...]:
+    """Return the laws that left-out data supported in any round."""
+    return tuple(
+        judged.candidate.hypothesis
+        for found in rounds
+        for judged in found.judged
+        if judged.support is Support.SUPPORTED
+    )
 
 
 def chosen_in(rounds: Sequence[Round]) -> list[Candidate]:

@@ -26,7 +26,7 @@ from bondgraph.diagnosis.search.one_round import one_round
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.reconsidered import reconsidered
 from bondgraph.diagnosis.search.removal import fitted_with
-from bondgraph.diagnosis.search.round_found import Round, chosen_in
+from bondgraph.diagnosis.search.round_found import Round, chosen_in, supported_in
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.fine_steps import simulated_as
@@ -92,8 +92,9 @@ def _searched(
         # Where a named law has explained nearly all, a free curve would only bend it.
         much = left_beside(base, current, noise) > options.rule.materiality
         setting = Setting(
-            current, recordings, noise, options, number, reached.added, much
-        )
+            current, recordings, noise, options, number, reached.added, much,
+            supported_in(rounds),
+        )  # fmt: skip
         found = one_round(setting, shop)
         nested = _better_without(current, found)
         if nested is not None:

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
-from bondgraph.recordings.noise import estimate_noise
+from bondgraph.recordings.noise import NoiseEstimate, estimate_noise
 from bondgraph.recordings.spread import size
+from bondgraph.recordings.table_noise import table_noise
 
 Array = NDArray[np.float64]
 FINEST = 1e-6
@@ -20,7 +21,7 @@ FINEST = 1e-6
 class OutputNoise:
     """The noise of one output: white std, step of its grid, whether it looks white.
 
-    ``std`` is None where nothing can be said, as for a steady table.
+    ``std`` is None where nothing can be said, as of a short steady table.
     """
 
     std: float | None
@@ -32,9 +33,7 @@ def output_noise(recordings: Sequence[BoundRecording]) -> tuple[OutputNoise, ...
     """Return the noise of each output, the largest over recordings."""
     found = []
     for i in range(len(recordings[0].output_names)):
-        seen = [
-            estimate_noise(r.time, r.outputs[:, i]) for r in recordings if not r.steady
-        ]
+        seen = channel_noise(recordings, i)
         steps = [one.quantisation for one in seen if one.quantisation is not None]
         found.append(
             OutputNoise(
@@ -44,6 +43,19 @@ def output_noise(recordings: Sequence[BoundRecording]) -> tuple[OutputNoise, ...
             )
         )
     return tuple(found)
+
+
+def channel_noise(
+    recordings: Sequence[BoundRecording], output: int
+) -> list[NoiseEstimate]:
+    """Return the noise of one output in each recording that tells it."""
+    seen = [
+        table_noise(r.inputs, r.outputs[:, output])
+        if r.steady
+        else estimate_noise(r.time, r.outputs[:, output])
+        for r in recordings
+    ]
+    return [one for one in seen if one is not None]
 
 
 def noise_scale(fitted: FittedModel, recordings: Sequence[BoundRecording]) -> Array:
