@@ -7,12 +7,12 @@ from bondgraph.diagnosis.answer.evidence_shown import hardly_supported, shown
 from bondgraph.diagnosis.answer.wording import finding_statement, name_of
 from bondgraph.diagnosis.evidence.confidence import beyond_resampling
 from bondgraph.diagnosis.evidence.decision import Judged, alternatives_to
-from bondgraph.diagnosis.evidence.gain import MERE_SHAPE, beside_earlier
+from bondgraph.diagnosis.evidence.gain import MERE_SHAPE
 from bondgraph.diagnosis.records import Finding, Support
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.diagnosis.search.curve_beside import BetterCurve, better_curve
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.round_found import Round, accepted
+from bondgraph.diagnosis.search.round_found import Round, accepted, shares_of
 from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording
 
@@ -32,7 +32,7 @@ def findings_of(
     findings: list[Finding] = []
     others: dict[str, Sequence[Judged]] = {}
     laws = [one.chosen for one in made if one.chosen is not None]
-    shares = beside_earlier([chosen.gain.value for chosen in laws])
+    shares = shares_of(made)
     there = {(chosen.physics, chosen.place) for chosen in laws}
     for found, chosen, share in zip(made, laws, shares, strict=True):
         # What was found as well is not what a finding may be instead.

@@ -63,8 +63,10 @@ def compare(before: LeftOutErrors, after: LeftOutErrors) -> Gain:
     return Gain(float(value), std, min(len(tests) * min(tests), 1.0))
 
 
-def beside_earlier(gains: Sequence[float]) -> list[float]:
-    """Return for each finding how far it is more than the shape of earlier ones.
+def beside_earlier(
+    gains: Sequence[float], without: Sequence[float | None] = ()
+) -> list[float]:
+    """Return for each finding how far it is more than the shape of the others.
 
     What it explains over that and `SHAPE` of what they do, all of the first model's
     left-out error.
@@ -72,10 +74,16 @@ def beside_earlier(gains: Sequence[float]) -> list[float]:
     Parameters
     ----------
     gains
-        Of each finding over the model before it.
+        Of each finding over the model that it was added to.
+    without
+        The share of the first model's error that the others leave, of a finding that
+        was added beside later ones, too; None of one that was added to what the ones
+        before it leave.
     """
     shares, left = [], 1.0
-    for gain in gains:
+    known = [*without, *(None for _ in gains[len(without) :])]
+    for gain, beside in zip(gains, known, strict=True):
+        left = left if beside is None else min(beside, 1.0)
         own = max(left * gain, 1e-12)
         shares.append(own / (own + SHAPE * (1.0 - left)))
         left -= own

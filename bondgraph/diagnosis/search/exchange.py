@@ -42,7 +42,8 @@ this share of what that left beyond the noise.
 class Exchanged:
     """The model with a law in place of an earlier one, and what speaks for that.
 
-    ``better`` and ``rival`` are both judged as additions to all else that was found.
+    ``better`` and ``rival`` are both judged as additions to all else that was found,
+    which leaves the share ``without`` of the first model's error.
     """
 
     fitted: FittedModel
@@ -50,6 +51,7 @@ class Exchanged:
     better: Judged
     rival: Judged
     probability: float
+    without: float
 
     @property
     def error(self) -> float:
@@ -139,4 +141,5 @@ def _instead(
     if not supported or not clearly_better(better, rival, rule):
         return None
     sure = probability(better, [better, rival], before, rule)
-    return Exchanged(fitted, (*rest, hypothesis), better, rival, sure)
+    left = without.optimum.cost / reached.first.optimum.cost
+    return Exchanged(fitted, (*rest, hypothesis), better, rival, sure, left)

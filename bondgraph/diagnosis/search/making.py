@@ -118,6 +118,7 @@ def _in_place(found: Round, instead: Exchanged) -> Round:
         judged=(new, instead.rival, *others),
         chosen=new,
         probability=instead.probability,
+        without=instead.without,
         removed=(instead.rival.candidate.hypothesis,),
     )
 

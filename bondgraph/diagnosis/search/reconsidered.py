@@ -2,7 +2,8 @@
 
 A law that explained little when it was chosen was the one that lay nearest to what all
 that was missing showed together. Once the rest has been found, a round is made without
-it: what that chooses takes its place, where the model fits as well.
+it: what that chooses takes its place, where the model fits as well. The same law, chosen
+again, is as probable as it is there: what was found since does not hide it any more.
 """
 
 from collections.abc import Sequence
@@ -25,6 +26,9 @@ Array = NDArray[np.float64]
 LITTLE = 0.3
 """What explained less of the error than this when it was chosen is chosen again."""
 
+UNSURE = 0.5
+"""And what was less probable than not: what was found since may have hidden it."""
+
 
 def reconsidered(
     rounds: Sequence[Round],
@@ -41,7 +45,7 @@ def reconsidered(
     kept = list(rounds)
     for found in accepted(rounds)[:-1]:
         chosen = found.chosen
-        if shop.limit.passed or chosen is None or chosen.gain.value >= LITTLE:
+        if shop.limit.passed or chosen is None or not _in_doubt(found):
             continue
         shop.progress(f"choosing again at {chosen.place}, beside what was found since")
         again = _again(kept, found, recordings, noise, options, shop)
@@ -49,6 +53,13 @@ def reconsidered(
             fitted = again.chosen.candidate.fitted
             kept = [*kept[:-1], again, replace(kept[-1], base=fitted)]
     return kept
+
+
+def _in_doubt(found: Round) -> bool:
+    """Return whether what a round chose explained little, or was hardly probable."""
+    assert found.chosen is not None
+    unsure = found.probability is not None and found.probability < UNSURE
+    return unsure or found.chosen.gain.value < LITTLE
 
 
 def _again(
@@ -78,6 +89,9 @@ def _again(
     if chosen is None or seen.cut_short:
         return None
     same = (chosen.physics, chosen.place) == (before.physics, before.place)
-    if same or not as_good(chosen.candidate.fitted, current, options.rule):
+    surer = (seen.probability or 0.0) > (found.probability or 0.0)
+    fits = as_good(chosen.candidate.fitted, current, options.rule)
+    if not fits or (same and not surer):
         return None
-    return replace(seen, removed=(*seen.removed, law))
+    left = without.optimum.cost / rounds[0].base.optimum.cost
+    return replace(seen, removed=(*seen.removed, law), without=left)

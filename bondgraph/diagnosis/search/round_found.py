@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bondgraph.diagnosis.evidence.decision import Judged
-from bondgraph.diagnosis.search.candidates import Candidate, Promised, Rejected
+from bondgraph.diagnosis.evidence.gain import beside_earlier
 from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.candidates import Candidate, Promised, Rejected
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import Hypothesis
 
@@ -28,6 +29,9 @@ class Round:
         The one accepted, if any.
     probability
         Of its physics being the best of those judged.
+    without
+        Where it was chosen beside later ones, too: the share of the first model's error
+        that the others leave.
     removed
         What earlier rounds had added and is needless beside it.
     cut_short
@@ -42,6 +46,7 @@ class Round:
     rejected: tuple[Rejected, ...] = ()
     chosen: Judged | None = None
     probability: float | None = None
+    without: float | None = None
     removed: tuple[Hypothesis, ...] = ()
     cut_short: bool = False
 
@@ -55,6 +60,13 @@ def accepted(rounds: Sequence[Round]) -> list[Round]:
         if found.chosen is not None
         and id(found.chosen.candidate.hypothesis) not in removed
     ]
+
+
+def shares_of(rounds: Sequence[Round]) -> list[float]:
+    """Return for each round that chose how far that is more than the others' shape."""
+    chosen = [found for found in rounds if found.chosen is not None]
+    gains = [found.chosen.gain.value for found in chosen if found.chosen is not None]
+    return beside_earlier(gains, [found.without for found in chosen])
 
 
 def supported_in(rounds: Sequence[Round]) -> tuple[Hypothesis, ...]:

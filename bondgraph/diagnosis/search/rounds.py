@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.evidence.gain import MERE_SHAPE, beside_earlier
+from bondgraph.diagnosis.evidence.gain import MERE_SHAPE
 from bondgraph.diagnosis.search.between_samples import (
     finely_stepped,
     held_as_fits,
@@ -26,7 +26,12 @@ from bondgraph.diagnosis.search.one_round import one_round
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.reconsidered import reconsidered
 from bondgraph.diagnosis.search.removal import fitted_with
-from bondgraph.diagnosis.search.round_found import Round, chosen_in, supported_in
+from bondgraph.diagnosis.search.round_found import (
+    Round,
+    chosen_in,
+    shares_of,
+    supported_in,
+)
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.fine_steps import simulated_as
@@ -112,8 +117,7 @@ def _searched(
             return [*rounds, replace(found, cut_short=short)]
         rounds += made
         reached = _handed_on(reached, fitted, added, options)
-        gains = [one.chosen.gain.value for one in rounds if one.chosen is not None]
-        if beside_earlier(gains)[-1] < MERE_SHAPE:
+        if shares_of(rounds)[-1] < MERE_SHAPE:
             return [*rounds, Round(reached.current)]
 
 
