@@ -66,7 +66,7 @@ def _scale(inputs: Array, values: Array, degree: int) -> float:
     exponents = _exponents(inputs.shape[1], degree)
     count = NEIGHBOURS * len(exponents)
     rows = np.arange(0, len(values), -(-len(values) // MOST_ROWS))
-    _, near = KDTree(inputs).query(inputs[rows], k=count + 1)
+    near = np.asarray(KDTree(inputs).query(inputs[rows], k=count + 1)[1])
     # Of rows that are there twice the nearest need not be the row itself.
     own = near == rows[:, None]
     own[~own.any(axis=1), -1] = True

@@ -36,6 +36,11 @@ NOT_ALL = 0.05
 dry friction explains most and not all, and is what its friction is called.
 """
 
+STILL_MORE = 2.0
+"""Where the first law was so, others only mend its shape that still leave so many times
+what the curve does: two laws that are both there leave less than any one curve.
+"""
+
 
 @dataclass(frozen=True, slots=True)
 class BetterCurve:
@@ -49,17 +54,27 @@ class BetterCurve:
         How many times what it leaves the named laws leave.
     left
         The share of the first model's error that these leave.
+    first_times, first_left
+        The same of the law that was chosen in its place.
     """
 
     index: int
     curve: Judged
     times: float
     left: float
+    first_times: float
+    first_left: float
 
     @property
     def is_told(self) -> bool:
         """Whether it is to be told in their place."""
-        return self.times >= FAR_MORE and self.left >= NOT_ALL
+        then = _only_near(self.first_times, self.first_left)
+        return _only_near(self.times, self.left) or (then and self.times >= STILL_MORE)
+
+
+def _only_near(times: float, left: float) -> bool:
+    """Return whether what leaves so much, and so many times a curve, is no cause."""
+    return times >= FAR_MORE and left >= NOT_ALL
 
 
 def better_curve(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
@@ -86,11 +101,24 @@ def better_curve(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
         return None
     index, best = min(curves, key=lambda one: float(one[1].errors.chunks.sum()))
     last = _dealt_like(last, best)
-    left = float(last.errors.chunks.sum())
-    times = left / max(float(best.errors.chunks.sum()), 1e-12 * left)
+    times = _times(last, best)
     if times < LEAVES_MORE or not clearly_better(best, last, rule):
         return None
-    return BetterCurve(index, best, times, 1.0 - explained(rounds))
+    first, until = rounds[index].chosen, rounds[: index + 1]
+    return BetterCurve(
+        index,
+        best,
+        times,
+        1.0 - explained(rounds),
+        first_times=times if first is None else _times(first, best),
+        first_left=1.0 - explained(until),
+    )
+
+
+def _times(judged: Judged, curve: Judged) -> float:
+    """Return how many times what a curve leaves another candidate leaves."""
+    left = float(judged.errors.chunks.sum())
+    return left / max(float(curve.errors.chunks.sum()), 1e-12 * left)
 
 
 def _dealt_like(judged: Judged, other: Judged) -> Judged:

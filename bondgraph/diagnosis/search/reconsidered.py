@@ -2,8 +2,8 @@
 
 A law that explained little when it was chosen was the one that lay nearest to what all
 that was missing showed together. Once the rest has been found, a round is made without
-it: what that chooses takes its place, where the model fits as well. The same law, chosen
-again, is as probable as it is there: what was found since does not hide it any more.
+it: what that chooses takes its place, where the model fits as well. The same law, if
+chosen again, is as probable as it is there, where nothing found since hides it.
 """
 
 from collections.abc import Sequence
