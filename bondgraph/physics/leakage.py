@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import E, F, Place
+from bondgraph.physics.places.bond import BondPlace
 from bondgraph.physics.places.junction import ZeroJunctionPlace
 from bondgraph.physics.places.pair import PairPlace
 from bondgraph.structure.domains import (
@@ -14,8 +15,12 @@ from bondgraph.structure.domains import (
     THERMAL,
     TRANSLATION,
 )
-from bondgraph.structure.elements import Resistance
-from bondgraph.structure.signals import e
+from bondgraph.structure.edits import GraphEdit
+from bondgraph.structure.elements import Compliance, EffortSource, Resistance
+from bondgraph.structure.signals import e, f
+
+SLIPPING = (0.003, 0.01, 0.03, 0.1, 0.3)
+"""Shares of the motion that may be lost at the usual effort, where a fit begins."""
 
 
 class Leak(AbstractPhysics):
@@ -64,3 +69,41 @@ class Slip(Leak):
     reference = "creep of belts; fluid couplings; Maxwell body"
     signature = "the far side falls behind under load and does not come back"
     domains = frozenset({TRANSLATION, ROTATION})
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it at 0-junctions, and where both sides of a bond move on their own."""
+        if isinstance(place, ZeroJunctionPlace) and not _gives_way(place):
+            if self.suits(place):
+                yield self._tied(place)
+            return
+        yield from Leak.propose(self, place)
+        if not isinstance(place, BondPlace) or not self.suits(place):
+            return
+        if place.both_sides_resist:
+            yield self._tied(place)
+
+    def _tied(self, place: BondPlace | ZeroJunctionPlace) -> Hypothesis:
+        """Return it between two sides that the model ties: the less, the stiffer.
+
+        What would be lost of no effort is not told there, and no law begins from it.
+        """
+        usual = place.effort / place.flow
+        starts = tuple(usual / share for share in SLIPPING)
+        grip = place.shape("slip_resistance", place.unit(E, F), starts, low=0.0)
+        name = place.name_of(self.word)
+        loss = Resistance(f"{name}_losses", law=grip.symbol * f)
+        if isinstance(place, BondPlace):
+            edit: GraphEdit = place.loosen(name, (loss,), grip)
+        else:
+            edit = place.insert(loss, grip)
+        words = (
+            f"the two sides of {place.name} slip past each other in proportion to the "
+            f"{place.domain.effort} that it passes on"
+        )
+        return self.hypothesis(place, edit, loss.law, (grip,), words)
+
+
+def _gives_way(place: ZeroJunctionPlace) -> bool:
+    """Return whether something there sets the effort without a slip."""
+    sets = Compliance | EffortSource
+    return any(isinstance(node, sets) for node in place.neighbours)
