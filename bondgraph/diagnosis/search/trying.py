@@ -12,6 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.evidence.left_out import left_out_errors
+from bondgraph.diagnosis.search.at_rest import (
+    SETTLE_ITERATIONS,
+    settled,
+    without_effect,
+)
 from bondgraph.diagnosis.search.posing import (
     added,
     initial_states,
@@ -29,7 +34,7 @@ from bondgraph.fitting.levenberg_marquardt import Optimum, minimise
 from bondgraph.fitting.problem import FitProblem, linearise_windows
 from bondgraph.fitting.settling import settle
 from bondgraph.physics.hypothesis import Hypothesis
-from bondgraph.simulation.solvers import Sdirk2, Solver
+from bondgraph.simulation.solvers import Solver
 
 Array = NDArray[np.float64]
 PROMISE_ITERATIONS = 5
@@ -37,11 +42,7 @@ SHORT_ITERATIONS = 5
 LONGER = 15
 """A short fit that has not kept its promise, or is on its way, goes on for so many."""
 FULL_ITERATIONS = 30
-SETTLE_ITERATIONS = 4
 TOLERANCE = 1e-4
-AT_REST = 1.05
-"""A start without effect leaves at most so many times what the base model leaves."""
-
 UNSOLVED = "the model's equations have no unique solution with it there"
 
 
@@ -104,7 +105,7 @@ def _scored(baseline: Baseline, trial: Trial) -> Plain:
     problem = pose_hypothesis(quick, hypothesis)
     new = added(quick, problem)
     scores = [
-        score_test(baseline, problem, theta, _at_rest(quick, problem, theta), new)
+        score_test(baseline, problem, theta, without_effect(quick, problem, theta), new)
         for theta in thetas(quick, hypothesis, problem, hypothesis.silent_starts)
     ]
     promised = [score.promised for score in scores]
@@ -222,7 +223,7 @@ def _begin(
     own = initial_states(base, problem.model.state_names)
     if not trial.starts:
         starts = thetas(base, hypothesis, problem, _own_starts(base, hypothesis))
-        begun = [(theta, _settled(base, problem, theta)) for theta in starts]
+        begun = [(theta, settled(base, problem, theta)) for theta in starts]
         if not hypothesis.waits or not problem.model.n_states:
             return begun
         return [(theta, _or_early(problem, theta, states)) for theta, states in begun]
@@ -249,31 +250,6 @@ def _own_starts(
     silent = [dict(start) for start in hypothesis.silent_starts]
     some = [start for start in hypothesis.starts if dict(start) not in silent]
     return (*hypothesis.starts, *({**stated, **start} for start in some))
-
-
-def _settled(base: FittedModel, problem: FitProblem, theta: Array) -> Array:
-    """Return the base model's initial states, with those of new states fitted."""
-    names = problem.model.state_names
-    initial = initial_states(base, names)
-    if set(names) <= set(base.problem.model.state_names):
-        return initial
-    return settle(problem, theta, initial, SETTLE_ITERATIONS)[0]
-
-
-def _at_rest(base: FittedModel, problem: FitProblem, theta: Array) -> Array:
-    """Return the states at a start without effect, where new ones may be stiff.
-
-    A reading that lags by a tenth of a sample follows at once: explicit steps leave its
-    first value wrong, and that, not the lag, would be what its slopes tell.
-    """
-    states = _settled(base, problem, theta)
-    if set(problem.model.state_names) <= set(base.problem.model.state_names):
-        return states
-    implicit = replace(problem, solver=Sdirk2())
-    there = linearise_windows(implicit.fixed_at(theta), theta[:0], states)
-    if float(np.sum(there.cost)) <= AT_REST * base.optimum.cost:
-        return states
-    return _settled(base, implicit, theta)
 
 
 def _or_early(problem: FitProblem, theta: Array, states: Array) -> Array:
