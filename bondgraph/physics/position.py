@@ -181,11 +181,15 @@ class HardeningSpring(AbstractPhysics):
         )
 
 
+TOUCH = 3e-3
+"""Of the way: so far in, a stop that takes its losses at once has all of them."""
+
+
 class EndStop(AbstractPhysics):
     """A stop at one end of the way, elastic and with losses while it is pressed."""
 
     word = "end_stop"
-    reference = "Hunt and Crossley, J. Applied Mechanics 42, 1975"
+    reference = "Hunt and Crossley, J. Applied Mechanics 42, 1975; Kelvin-Voigt body"
     passivity = Passivity.DISSIPATIVE
     signature = (
         "motion that ends at one position however hard it is driven; taken for a "
@@ -201,12 +205,20 @@ class EndStop(AbstractPhysics):
             return
         if place.displacement_known:
             low, high = place.displacement_range
-            yield self._stop(place, low, high, side=1)
-            yield self._stop(place, high, low, side=-1)
+            for at_once in (False, True):
+                yield self._stop(place, low, high, side=1, at_once=at_once)
+                yield self._stop(place, high, low, side=-1, at_once=at_once)
 
     def _stop(
-        self, place: OneJunctionPlace, begin: float, end: float, *, side: int
+        self,
+        place: OneJunctionPlace,
+        begin: float,
+        end: float,
+        *,
+        side: int,
+        at_once: bool,
     ) -> Hypothesis:
+        """Return a stop whose losses grow as it is pressed, or are there at once."""
         way = abs(end - begin)
         at = tuple(begin + share * (end - begin) for share in self.shares)
         # What stops a motion within the rest of the way takes all effort there.
@@ -217,15 +229,19 @@ class EndStop(AbstractPhysics):
         k = place.strength(
             f"{end_name}_stop_stiffness", place.unit(E, Q), none + some, low=0.0
         )
-        unit = place.per(place.unit(E), Q, F)
-        damping = tuple(0.2 * stiff / place.flow for stiff in some)
+        touch = TOUCH * way
+        unit = place.unit(E, F) if at_once else place.per(place.unit(E), Q, F)
+        depth = 0.1 * way if at_once else 1.0
+        damping = tuple(0.2 * stiff * depth / place.flow for stiff in some)
         d = place.strength(f"{end_name}_stop_damping", unit, none + damping, low=0.0)
         pressed = sympy.Max(side * (q - stop.symbol), 0)
-        law = side * k.symbol * pressed + d.symbol * pressed * f
+        lost = sympy.Min(pressed / touch, 1) if at_once else pressed
+        law = side * k.symbol * pressed + d.symbol * lost * f
         element = restoring(place, place.name_of(f"{end_name}_end_stop"), law)
         words = (
             f"{place.a(E)} that stops the motion at {'an upper' if side > 0 else 'a'}"
             f"{'' if side > 0 else ' lower'} end of its way"
+            f"{', with losses from the first touch' if at_once else ''}"
         )
         edit = place.insert(element, stop, k, d)
         return self.hypothesis(place, edit, law, (stop, k, d), words)
