@@ -102,6 +102,26 @@ def test_a_curve_found_elsewhere_does_not_hide_a_better_one():
     assert better_curve(rounds_of(first, curve, there), Rule()) is None
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "told"),
+    [
+        # Comes near; what follows mends its shape and still leaves thrice the curve's.
+        (0.15, 0.03, True),
+        # Two laws that are both there leave as little as the curve, or little more.
+        (0.15, 0.016, False),
+        # What leaves hardly anything is not told as a curve, whatever that leaves.
+        (0.03, 0.025, False),
+    ],
+)
+def test_laws_that_mend_the_shape_of_a_first_one_make_no_cause(first, second, told):
+    one = judged(first, physics="coulomb_friction", place="shaft")
+    curve = judged(0.01, physics=CURVE, place="shaft", complexity=6)
+    two = judged(second, physics="sensor_nonlinearity", place="speed")
+    gain = replace(two.gain, value=1.0 - second / first)
+    better = better_curve(rounds_of(one, curve, replace(two, gain=gain)), Rule())
+    assert (better is not None and better.is_told) is told
+
+
 def test_a_curve_is_compared_however_the_data_were_dealt_later(monkeypatch):
     first = judged(0.15, physics="dead_zone", place="pump")
     curve = judged(0.01, physics=CURVE, place="pump", complexity=6)

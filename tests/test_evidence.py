@@ -362,6 +362,15 @@ def test_a_later_finding_counts_by_what_it_explains_beside_the_earlier():
     assert little < MERE_SHAPE < second
 
 
+def test_what_was_added_beside_later_findings_counts_by_what_those_leave():
+    # The second has explained all that the first left; the third took the first's
+    # place, and without it the second leaves 0.4.
+    *_, third = beside_earlier([0.5, 0.999, 0.99], [None, None, 0.4])
+    assert third == pytest.approx(0.396 / (0.396 + 0.01 * 0.6))
+    *_, as_before = beside_earlier([0.5, 0.999, 0.99], [None, None, None])
+    assert as_before < 0.1
+
+
 def test_of_laws_that_predict_alike_the_plainest_is_told_at_its_best_place():
     order = RULE.order
     plain, odd = order[0], order[-2]

@@ -152,6 +152,7 @@ CASES = [
     Case("two_tanks", "Leak", "upper", {"leak": 0.1}),
     Case("heaters", "Leak", "block1", {"leak_to_block2_from": 0.01}, 1),
     Case("two_masses", "Slip", "coupling", {"leak": 0.05}),
+    Case("geared_arm", "Slip", "gear", {"slip_resistance": 20.0}),
     Case("draining_tank", "SquareLaw", "tank", {"outlet_flow": 0.5}),
     Case("two_tanks", "SquareRootOrifice", "upper", {"orifice": 0.3}),
     Case("two_tanks", "Overflow", "upper", {"overflow_level": 1.5, "overflow": 3.0}),
@@ -184,6 +185,17 @@ CASES = [
             "lower_stop_damping": 400.0,
         },
         1,
+    ),
+    Case(
+        "slider",
+        "EndStop",
+        "carriage",
+        {
+            "upper_stop": 0.03,
+            "upper_stop_stiffness": 300.0,
+            "upper_stop_damping": 4.0,
+        },
+        2,
     ),
     Case(
         "geared_arm",

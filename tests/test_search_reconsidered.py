@@ -10,7 +10,7 @@ from bondgraph import Recording, bind_to
 from bondgraph.diagnosis.evidence.gain import Gain
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.reconsidered import LITTLE, reconsidered
-from bondgraph.diagnosis.search.round_found import Round, accepted
+from bondgraph.diagnosis.search.round_found import Round, accepted, shares_of
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.physics.drag import QuadraticDrag, SpeedLimit
@@ -62,6 +62,16 @@ def test_a_first_law_gives_way_to_what_fits_beside_the_second(choose_again):
 def test_the_right_first_law_stays(choose_again):
     rounds, _ = searched(QuadraticDrag(), gain=0.2)
     assert choose_again(rounds) == rounds
+
+
+def test_the_same_law_is_as_sure_as_it_is_beside_what_was_found_since(choose_again):
+    rounds, drag = searched(QuadraticDrag(), gain=0.5)
+    unsure = [replace(rounds[0], probability=0.2), *rounds[1:]]
+    *_, again, _ = choose_again(unsure)
+    assert (again.chosen.physics, again.removed) == ("quadratic_drag", (drag,))
+    assert again.probability > 0.5
+    # Beside friction it is no shape of that: without it nearly all of it is left.
+    assert shares_of([*unsure[1:2], again])[-1] > 0.9
 
 
 def test_what_explained_much_is_not_asked_again(choose_again):

@@ -1,5 +1,6 @@
 """Diagnosing and telling: the path that ``diagnose`` and ``demo`` share."""
 
+import math
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -202,8 +203,16 @@ def _errors(diagnosis: Diagnosis) -> Iterator[str]:
     units = {e.name: e.unit for e in diagnosis.model.measurements}
     floors = (
         f"{name} {number_words(std, 3)} {unit_words(units[name])}"
+        f"{_times_left(diagnosis.held_out.after.rmse.get(name), std)}"
         for name, std in diagnosis.noise_floor.items()
         if std > 0
     )
     floor = ", ".join(floors)
     yield f"  measurement noise: {floor}\n" if floor else ""
+
+
+def _times_left(rmse: float | None, noise: float) -> str:
+    """Return how many times the noise is left at the end, of what was held out."""
+    if rmse is None or not math.isfinite(rmse):
+        return ""
+    return f" (at the end {number_words(rmse / noise, 2)} times that is left)"

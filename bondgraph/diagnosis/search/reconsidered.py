@@ -89,7 +89,8 @@ def _again(
     if chosen is None or seen.cut_short:
         return None
     same = (chosen.physics, chosen.place) == (before.physics, before.place)
-    surer = (seen.probability or 0.0) > (found.probability or 0.0)
+    known = 1.0 if found.probability is None else found.probability
+    surer = (seen.probability or 0.0) > known
     fits = as_good(chosen.candidate.fitted, current, options.rule)
     if not fits or (same and not surer):
         return None
