@@ -19,9 +19,10 @@ SEED_SETS = {
     "final_2": 82_411,
     "final_3": 93_607,
     "final_4": 104_729,
+    "final_5": 115_249,
 }
 """Final ones are opened once: `final` in the first report, `final_2` in the second,
-`final_3` in the third, `final_4` in the fourth.
+`final_3` in the third, `final_4` in the fourth, `final_5` in the fifth.
 """
 STRENGTHS = (0.5, 2.0, 6.0, 12.0, 40.0, 150.0)
 """Wanted residual over noise; from far below what can be seen to dominant."""
