@@ -29,6 +29,10 @@ from bondgraph.reporting.wording import (
 )
 from bondgraph.structure.graph import FinishedGraph
 
+MANY = 100
+"""Of more times the noise the number tells nothing more: a sensor finer than a machine.
+"""
+
 SHOWN_CANDIDATES = 8
 SHOWN_NOTES = 6
 _LOOK_AT = {
@@ -215,4 +219,6 @@ def _times_left(rmse: float | None, noise: float) -> str:
     """Return how many times the noise is left at the end, of what was held out."""
     if rmse is None or not math.isfinite(rmse):
         return ""
-    return f" (at the end {number_words(rmse / noise, 2)} times that is left)"
+    times = rmse / noise
+    words = f"{number_words(times, 2)}" if times < MANY else f"more than {MANY}"
+    return f" (at the end {words} times that is left)"

@@ -1,4 +1,4 @@
-"""States that a law adds, where it begins without effect: at rest, or settled.
+"""States that a law adds, where it begins without effect: settled, or at rest.
 
 A sensor that lags by a tenth of a sample reads what is there: its state begins there
 too. Were it fitted, it would begin wherever the first samples' noise likes, or, where

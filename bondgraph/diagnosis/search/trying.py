@@ -35,6 +35,7 @@ from bondgraph.fitting.problem import FitProblem, linearise_windows
 from bondgraph.fitting.settling import settle
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.simulation.solvers import Solver
+from bondgraph.structure.edits import ReplaceMeasurement, WrapInput
 
 Array = NDArray[np.float64]
 PROMISE_ITERATIONS = 5
@@ -104,8 +105,11 @@ def _scored(baseline: Baseline, trial: Trial) -> Plain:
     quick, hypothesis = baseline.quick, trial.hypothesis
     problem = pose_hypothesis(quick, hypothesis)
     new = added(quick, problem)
+    # What only follows a signal begins where that is, other memories anywhere.
+    follows = isinstance(hypothesis.edit, ReplaceMeasurement | WrapInput)
+    begun = without_effect if follows else settled
     scores = [
-        score_test(baseline, problem, theta, without_effect(quick, problem, theta), new)
+        score_test(baseline, problem, theta, begun(quick, problem, theta), new)
         for theta in thetas(quick, hypothesis, problem, hypothesis.silent_starts)
     ]
     promised = [score.promised for score in scores]
