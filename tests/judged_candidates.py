@@ -33,7 +33,7 @@ def slider(samples=600, noise=0.1, horizon=None):
 
 
 def with_residuals(residuals, windows=1):
-    shots = SimpleNamespace(n_windows=windows)
+    shots = SimpleNamespace(n_windows=windows, timeless=windows == len(residuals))
     at = SimpleNamespace(residuals=residuals)
     return SimpleNamespace(
         optimum=SimpleNamespace(linearisation=at), problem=SimpleNamespace(shots=shots)

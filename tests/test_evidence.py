@@ -148,7 +148,10 @@ def problem_of(sizes):
     edges = np.cumsum([0, *sizes])
     slices = [slice(a, b) for a, b in pairwise(edges)]
     shots = SimpleNamespace(
-        n_windows=len(sizes), time=np.zeros(edges[-1]), slices=slices
+        n_windows=len(sizes),
+        timeless=False,
+        time=np.zeros(edges[-1]),
+        slices=slices,
     )
     return SimpleNamespace(shots=shots)
 

@@ -179,7 +179,7 @@ def test_rows_of_a_table_are_dealt_in_turn():
     slow = np.linspace(-1.0, 1.0, 15)[:, None] ** 2
     assert chunk_count(with_residuals(slow, windows=15)) == 15
     assert chunk_count(with_residuals(slow[:4], windows=4)) == 6
-    shots = SimpleNamespace(n_windows=30, time=np.zeros(30))
+    shots = SimpleNamespace(n_windows=30, timeless=True, time=np.zeros(30))
     labels = chunk_labels(SimpleNamespace(shots=shots), 24)
     np.testing.assert_array_equal(labels, np.arange(30) % 24)
 

@@ -67,6 +67,12 @@ def heights(stem: str, values: tuple[float, ...]) -> dict[str, float]:
     return {f"{stem}_{i}": value for i, value in enumerate(values)}
 
 
+def stop(end: str, at: float, damping: float) -> dict[str, float]:
+    """Return the parameters of a stop at one end of the way."""
+    named = {"": at, "_stiffness": 300.0, "_damping": damping}
+    return {f"{end}_stop{name}": value for name, value in named.items()}
+
+
 CASES = [
     Case("wheel", "ViscousFriction", "shaft", {"viscous": 0.05}),
     Case("wheel", "CoulombFriction", "shaft", {"coulomb": 0.2}),
@@ -165,38 +171,9 @@ CASES = [
         2,
     ),
     Case("heaters", "Radiation", "block1", {"radiation": 1.0, "radiation_room": 300.0}),
-    Case(
-        "slider",
-        "EndStop",
-        "carriage",
-        {
-            "upper_stop": 0.03,
-            "upper_stop_stiffness": 300.0,
-            "upper_stop_damping": 400.0,
-        },
-    ),
-    Case(
-        "slider",
-        "EndStop",
-        "carriage",
-        {
-            "lower_stop": -0.03,
-            "lower_stop_stiffness": 300.0,
-            "lower_stop_damping": 400.0,
-        },
-        1,
-    ),
-    Case(
-        "slider",
-        "EndStop",
-        "carriage",
-        {
-            "upper_stop": 0.03,
-            "upper_stop_stiffness": 300.0,
-            "upper_stop_damping": 4.0,
-        },
-        2,
-    ),
+    Case("slider", "EndStop", "carriage", stop("upper", 0.03, 400.0)),
+    Case("slider", "EndStop", "carriage", stop("lower", -0.03, 400.0), 1),
+    Case("slider", "EndStop", "carriage", stop("upper", 0.03, 4.0), 2),
     Case(
         "geared_arm",
         "SeriesCompliance",

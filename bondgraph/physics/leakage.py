@@ -83,9 +83,9 @@ class Slip(Leak):
             yield self._tied(place)
 
     def _tied(self, place: BondPlace | ZeroJunctionPlace) -> Hypothesis:
-        """Return it between two sides that the model ties: the less, the stiffer.
+        """Return it between two sides that the model ties; the stiffer, the less.
 
-        What would be lost of no effort is not told there, and no law begins from it.
+        A leak of none has no solution there: both sides would set the effort.
         """
         usual = place.effort / place.flow
         starts = tuple(usual / share for share in SLIPPING)

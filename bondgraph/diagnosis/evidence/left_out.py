@@ -69,7 +69,7 @@ def chunk_count(fitted: FittedModel) -> int:
     windows = fitted.problem.shots.n_windows
     if windows >= MOST_CHUNKS:
         return MOST_CHUNKS
-    if windows == len(residuals):
+    if fitted.problem.shots.timeless:
         return max(LEAST_CHUNKS, windows)
     longest = max(correlation_time(column) for column in residuals.T)
     independent = len(residuals) // (APART * longest)
@@ -85,7 +85,7 @@ def chunk_labels(problem: FitProblem, chunks: int) -> NDArray[np.int64]:
     """
     shots = problem.shots
     n = len(shots.time)
-    if shots.n_windows == n:
+    if shots.timeless:
         return np.arange(n, dtype=np.int64) % chunks
     if shots.n_windows >= chunks:
         sizes = [part.stop - part.start for part in shots.slices]

@@ -68,16 +68,11 @@ def _resting(
         return None
     initial = initial_states(base, model.state_names)
     values, nu = problem.with_parameters(theta), len(model.input_names)
-    nx, rows = model.n_states, model.dynamics.n_variables
-    directions = np.zeros((rows, new.size))
+    directions = np.zeros((model.dynamics.n_variables, new.size))
     directions[new, np.arange(new.size)] = 1.0
     for window, part in enumerate(shots.slices):
-        point = np.concatenate([
-            initial[window], np.zeros(nx), shots.inputs[part.start], np.zeros(nu),
-            values, shots.time[part.start : part.start + 1],
-        ])  # fmt: skip
-        if point.size != rows:
-            return None
+        known = (shots.inputs[part.start], np.zeros(nu), values, shots.time[part][:1])
+        point = np.concatenate([initial[window], np.zeros(model.n_states), *known])
         rates, slopes = evaluate(model.dynamics, point, directions)
         try:
             initial[window, new] -= np.linalg.solve(slopes[new], rates[new])

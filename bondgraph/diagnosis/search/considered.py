@@ -42,7 +42,7 @@ class Setting:
     curves
         Whether curves without a name are considered.
     supported
-        Laws that earlier rounds supported beside the one that they chose.
+        What tells the laws that earlier rounds supported, see `Hypothesis.told_by`.
     """
 
     base: FittedModel
@@ -52,16 +52,12 @@ class Setting:
     number: int
     found: tuple[Hypothesis, ...]
     curves: bool
-    supported: tuple[Hypothesis, ...] = ()
+    supported: frozenset[tuple[str, ...]] = frozenset()
 
     @property
     def is_first(self) -> bool:
         """Whether this is the first round."""
         return self.number == 1
-
-    def was_supported(self, hypothesis: Hypothesis) -> bool:
-        """Return whether an earlier round supported this law, of another model."""
-        return any(one.told_by == hypothesis.told_by for one in self.supported)
 
     def holds(self, candidate: Candidate) -> bool:
         """Return whether whole recordings are simulated about as well with it."""

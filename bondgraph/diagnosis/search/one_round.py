@@ -82,7 +82,8 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
         again = [
             one
             for one in screened.promised
-            if setting.was_supported(one.hypothesis) and id(one.hypothesis) not in first
+            if one.hypothesis.told_by in setting.supported
+            and id(one.hypothesis) not in first
         ]
         tried = screened.independent + len(again)
         fitted = fit_remembering(bench, again, HOPELESS, options.judged)

@@ -69,10 +69,10 @@ def shares_of(rounds: Sequence[Round]) -> list[float]:
     return beside_earlier(gains, [found.without for found in chosen])
 
 
-def supported_in(rounds: Sequence[Round]) -> tuple[Hypothesis, ...]:
-    """Return the laws that left-out data supported in any round."""
-    return tuple(
-        judged.candidate.hypothesis
+def supported_in(rounds: Sequence[Round]) -> frozenset[tuple[str, ...]]:
+    """Return what tells the laws that left-out data supported in any round."""
+    return frozenset(
+        judged.candidate.hypothesis.told_by
         for found in rounds
         for judged in found.judged
         if judged.support is Support.SUPPORTED
