@@ -255,6 +255,9 @@ def test_diagnose_holds_out_the_last_part_and_says_so(model, recording, asked):
     assert train.time[-1] < held_out.time[0]
     assert cart_diagnosis().statement in result.stdout
     assert "Physics is missing" in result.stdout
+    (name, noise), *_ = cart_diagnosis().noise_floor.items()
+    times = cart_diagnosis().held_out.after.rmse[name] / noise
+    assert f"held-out error at the end: {times:.2g} times that" in result.stdout
 
 
 def test_diagnose_takes_another_split_and_another_window(model, recording, asked):

@@ -220,5 +220,5 @@ def _times_left(rmse: float | None, noise: float) -> str:
     if rmse is None or not math.isfinite(rmse):
         return ""
     times = rmse / noise
-    words = f"{number_words(times, 2)}" if times < MANY else f"more than {MANY}"
-    return f" (at the end {words} times that is left)"
+    words = number_words(times, 2) if times < MANY else f"more than {MANY}"
+    return f" (held-out error at the end: {words} times that)"
