@@ -15,7 +15,8 @@ from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
 from bondgraph.physics.position import Spring
-from bondgraph.physics.unknown import Smooth, UnknownRelation
+from bondgraph.physics.smooth import Smooth
+from bondgraph.physics.unknown import BOTH_WAYS, UnknownRelation
 from bondgraph.structure.parameters import Parameter
 
 
@@ -154,15 +155,45 @@ def test_a_smooth_curve_begins_as_the_first_one():
     for key, first in curves().items():
         count = len(first.strengths)
         heights = draw.normal(size=count)
-        second = curves(Smooth(tuple(heights), 4, 1.0))[key]
+        second = curves(Smooth((*heights, 0.0, 0.0), 4, 1.0))[key]
         # Level and slope, and a bend at every knot but the ends.
         assert len(second.strengths) == 4 * (count - 1) + 1
         before = drawn(first, dict(zip(first.strengths, heights, strict=True)))
         assert np.allclose(before, drawn(second, second.starts[0]), atol=1e-9), key
 
 
+def test_a_curve_that_is_the_same_both_ways_begins_as_half_of_what_turns_round():
+    draw = np.random.default_rng(2)
+    odd_ones = 0
+    for key, first in curves().items():
+        heights = draw.normal(size=len(first.strengths))
+        smooth = Smooth((*heights, 0.0, 0.0), 4, 1.0, odd=True)
+        place = [h for h in curves(smooth).values() if h.place == key[0]]
+        (odd,) = [h for h in place if h.words == key[1] + BOTH_WAYS] or [None]
+        if odd is None:
+            continue
+        odd_ones += 1
+        there = drawn(odd, odd.starts[0])
+        assert np.allclose(there, -np.array(there)[::-1], atol=1e-9)
+        before = np.array(
+            drawn(first, dict(zip(first.strengths, heights, strict=True)))
+        )
+        assert np.allclose(there, (before - before[::-1]) / 2, atol=1e-9), key
+        wholly = curves(Smooth((*heights, 0.0, 0.0), 4, 1.0))[key]
+        assert len(odd.strengths) < 0.6 * len(wholly.strengths)
+    assert odd_ones == 3  # of the speed, the displacement, and the force commanded
+
+
+def test_only_a_curve_that_goes_both_ways_can_be_the_same_both_ways():
+    odd = Smooth((0.0, 1.0), 4, 1.0, odd=True)
+    assert odd.is_odd_over((-1.0, 2.0))
+    assert not odd.is_odd_over((-0.1, 2.0))
+    assert not odd.is_odd_over((0.5, 2.0))
+    assert not Smooth((0.0, 1.0), 4, 1.0).is_odd_over((-1.0, 2.0))
+
+
 def test_a_rougher_curve_may_bend_more_and_is_no_larger():
-    heights = (0.0, 1.0, 2.0, 2.0, 1.0, 0.0)
+    heights = (0.0, 1.0, 2.0, 2.0, 1.0, 0.0, 0.0, 0.0)
     for key, smooth in curves(Smooth(heights, 4, 1.0)).items():
         rough = curves(Smooth(heights, 4, 10.0))[key]
         for one, other in zip(

@@ -11,7 +11,7 @@ from functools import partial
 
 import sympy
 
-from bondgraph.physics.curves import ALONG, Knots, Smooth, drawn, even, turning
+from bondgraph.physics.curves import ALONG, drawn, even, turning
 from bondgraph.physics.dry_friction import direction
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Shape
 from bondgraph.physics.places.base import MECHANICAL, Coefficient, E, F, Place, Q
@@ -23,9 +23,12 @@ from bondgraph.physics.places.junction import (
     junction_place,
 )
 from bondgraph.physics.position import restoring
+from bondgraph.physics.smooth import Knots, Smooth
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.elements import Gyrator, OnePort, Resistance, Transformer
 from bondgraph.structure.signals import e, effort, f, flow, q
+
+BOTH_WAYS = ", the same both ways"
 
 
 @dataclass(frozen=True)
@@ -68,15 +71,20 @@ class UnknownRelation(AbstractPhysics):
         elif isinstance(place, ElementPlace):
             yield from self._ratios(place)
 
+    def _odd(self, knots: Knots) -> bool:
+        return self.smooth is not None and self.smooth.is_odd_over(knots)
+
     def _of_input(self, place: InputPlace) -> Hypothesis:
         """Apply a free curve of what is commanded."""
         half = place.peak / 2.0
         size = place.constant("curve_input", place.channel_unit, half)
         knots = even(place.scales.range_of(place.name, half), half)
         unit, x = place.channel_unit, place.signal / size.symbol
-        curve, heights = drawn(place, "curve", unit, x, knots, self.smooth)
+        odd = self._odd(knots)
+        curve, heights = drawn(place, "curve", unit, x, knots, self.smooth, odd=odd)
         law = place.signal + curve
         words = f"{place.name} acts along an unnamed curve of what is commanded"
+        words += BOTH_WAYS if odd else ""
         edit = place.become(law, *heights, size)
         found = self.hypothesis(place, edit, law, heights, words)
         given = (place.signal, f"{place.name} as commanded", unit)
@@ -107,7 +115,8 @@ class UnknownRelation(AbstractPhysics):
         knots = tuple(knot / size for knot in knots_at(place, quantity))
         width = place.constant(f"curve_{quantity}", place.unit(quantity), size)
         unit, x = place.unit(answer), variable / width.symbol
-        law, heights = drawn(place, "curve", unit, x, knots, self.smooth)
+        odd = self._odd(knots)
+        law, heights = drawn(place, "curve", unit, x, knots, self.smooth, odd=odd)
         name = place.name_of(f"unknown_{quantity}")
         element: OnePort
         if quantity is Q:
@@ -116,7 +125,7 @@ class UnknownRelation(AbstractPhysics):
             element = Resistance(name, law=law)
         words = (
             f"{place.a(answer)} that is an unnamed function of "
-            f"{place.domain.word(quantity)}"
+            f"{place.domain.word(quantity)}{BOTH_WAYS if odd else ''}"
         )
         edit = place.insert(element, *heights, width)
         return self.hypothesis(place, edit, law, heights, words)
