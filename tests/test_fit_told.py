@@ -68,3 +68,12 @@ def test_an_input_in_steps_that_is_joined_by_lines_is_told(told):
     assert "--hold zero holds them" in told(10.0, 25)
     assert "--hold zero holds them" not in told(10.0, 25, "--hold", "zero")
     assert "--hold zero holds them" not in told(10.0, 1)
+
+
+def test_windows_do_not_hide_what_whole_recordings_are_missed_by(told):
+    short = told(10.0, 25, "--hold", "zero", "--window", "0.2")
+    assert "Error over windows of " in short
+    assert short.count("Error over whole recordings") == 1
+    whole = told(10.0, 25, "--hold", "zero", "--window", "whole")
+    assert "windows" not in whole
+    assert whole.count("Error over whole recordings") == 1

@@ -528,6 +528,17 @@ def test_an_unchecked_unit_is_taken_as_it_is():
     bound = bind(recording, {}, {"x": "1"}, unchecked={"x"})
     np.testing.assert_array_equal(bound.output("x"), TIME)
     assert bound.output_units == ("px",)
+    assert bound.notes == ()
+
+
+def test_a_unit_that_would_convert_and_does_not_is_told():
+    bound = bind(drive(load=(TIME, "g")), {}, {"load": "1"}, unchecked={"load"})
+    np.testing.assert_array_equal(bound.output("load"), TIME)
+    (note,) = bound.notes
+    assert "load" in note
+    assert "[g]" in note
+    coherent = bind(drive(load=(TIME, "kg")), {}, {"load": "1"}, unchecked={"load"})
+    assert coherent.notes == ()
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,11 @@
 """``bondgraph fit``: parameters with what is known of them afterwards."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import click
 
 from bondgraph.cli.command import Command, json_option
+from bondgraph.cli.fit_answer import answer_json, intervals, known, profile_words
 from bondgraph.cli.fit_options import estimation_options, fit_options, hint_at_steps
 from bondgraph.cli.inputs import (
     model_argument,
@@ -18,21 +19,13 @@ from bondgraph.cli.terminal import table_style
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import FitSettings, fit_model, report
 from bondgraph.fitting.fine_steps import told_finely
-from bondgraph.fitting.identifiability import identifiability
-from bondgraph.fitting.profile import Profile, profile
-from bondgraph.fitting.result import FitResult, FitStatus
-from bondgraph.fitting.solver_error import SolverError, SolverErrorStatus
+from bondgraph.fitting.fitted import FittedModel
+from bondgraph.fitting.long_runs import simulate_whole
+from bondgraph.fitting.profile import profile
+from bondgraph.fitting.result import FitResult, FitStatus, Score
 from bondgraph.recordings.binding import BoundRecording
-from bondgraph.reporting.diagnosis_json import json_value
 from bondgraph.reporting.model_text import to_python
 from bondgraph.reporting.tables import INTERVAL, estimates_table
-from bondgraph.reporting.wording import (
-    number_words,
-    relative_error,
-    unit_words,
-    with_unit,
-)
-from bondgraph.structure.graph import FinishedGraph
 
 
 @click.command(
@@ -89,6 +82,7 @@ def command(
         progress(f"fitting {graph.name}")
         fitted = told_finely(fit_model(graph, bound, settings))
         result = report(fitted, graph, bound)
+        whole = _over_whole_recordings(fitted, result, bound)
     if result.status is FitStatus.SIMULATION_FAILED:
         raise FitError(
             f"{graph.name!r} cannot be simulated at its start values.",
@@ -100,11 +94,11 @@ def command(
     table = estimates_table(result.estimates, **table_style(session))
     session.say(table)
     session.say()
-    intervals = "\n".join(_intervals(result))
-    if intervals and (INTERVAL not in table or session.verbose):
-        session.say(intervals)
+    ends = "\n".join(intervals(result))
+    if ends and (INTERVAL not in table or session.verbose):
+        session.say(ends)
         session.say()
-    session.say("\n".join(_known(result, graph, bound)))
+    session.say("\n".join(known(result, whole, graph, bound)))
     hint_at_steps(session, settings, bound)
     if result.unidentifiable:
         session.hint(
@@ -117,123 +111,22 @@ def command(
             progress(f"profile of {name}")
             profiles.append(profile(result, name))
     for one in profiles:
-        session.say(_profile_words(one))
+        session.say(profile_words(one))
     if output is not None:
         session.write(output, to_python(result.model))
-    session.deliver(json_file, _plain(result, profiles))
+    session.deliver(json_file, answer_json(result, whole, profiles))
     return 0 if result.status is FitStatus.CONVERGED else 1
 
 
-def _intervals(result: FitResult) -> Iterator[str]:
-    """Yield the intervals that are known, one a line, where there are any."""
-    known = [(one, one.interval) for one in result.estimates if one.interval]
-    if known:
-        yield f"{INTERVAL}s"
-    for one, interval in known:
-        low, high = (number_words(end, 5) for end in interval)
-        yield f"  {one.name}: {low} to {high} {unit_words(one.unit)}".rstrip()
+def _over_whole_recordings(
+    fitted: FittedModel, result: FitResult, bound: Sequence[BoundRecording]
+) -> Score | None:
+    """Return the error of runs from one first state each, where the fit has windows.
 
-
-def _known(
-    result: FitResult, graph: FinishedGraph, bound: Sequence[BoundRecording]
-) -> Iterator[str]:
-    """Yield what the fit knows: errors, and what it cannot tell."""
-    yield _score_words(result, graph)
-    yield from _at_bounds(result)
-    for name, phi in result.correlation.items():
-        yield f"Noise of {name}: neighbouring samples correlate by {phi:.3f}."
-    for sentence in result.unidentifiable:
-        yield f"Not identifiable from these recordings: {sentence}."
-    if result.unidentifiable:
-        yield identifiability(graph, bound).status.value
-    for sentence in result.barely_known:
-        yield f"Hardly {sentence}."
-    error = result.solver_error
-    if error is not None and error.status is not SolverErrorStatus.FINE:
-        yield error.status.value
-
-
-def _profile_words(one: Profile) -> str:
-    """Return a profile in one line, an open end as such."""
-    low, high = (
-        "open" if end is None else number_words(end, 5) for end in one.interval
-    )
-    ends = f"{low} to {high} {unit_words(one.unit)}".rstrip()
-    return f"Profile of {one.name}: {ends}. {one.status.value}"
-
-
-def _at_bounds(result: FitResult) -> Iterator[str]:
-    """Yield the parameters that ended where the model lets them go no further."""
-    for one in result.estimates:
-        low, high = result.model.parameters[one.name].bounds
-        # A loss that has come down to none is an answer.
-        if one.value == high or (one.value == low and low != 0.0):
-            bound = with_unit(number_words(one.value), one.unit)
-            yield (
-                f"{one.name} ended at its bound of {bound}: give it a wider one, or "
-                "the model has not what the machine has."
-            )
-
-
-def _score_words(result: FitResult, graph: FinishedGraph) -> str:
-    stretch = (
-        "over whole recordings"
-        if result.window is None
-        else f"over windows of {number_words(result.window, 3)} s"
-    )
-    units = {m.name: m.unit for m in graph.measurements}
-    channels = ", ".join(
-        with_unit(f"{name} {number_words(rmse, 3)}", units[name])
-        for name, rmse in result.score.rmse.items()
-    )
-    share = relative_error(result.score, "the measured spread")
-    return f"Error {stretch}: {share} ({channels} rms)."
-
-
-def _plain(result: FitResult, profiles: Sequence[Profile]) -> dict[str, object]:
-    return {
-        "schema": 1,
-        "status": result.status.name.lower(),
-        "sentence": result.status.value,
-        "parameters": {
-            e.name: {
-                "value": json_value(e.value),
-                "std": json_value(e.std),
-                "interval": None if e.interval is None else list(e.interval),
-                "unit": e.unit,
-                "start": json_value(e.start),
-            }
-            for e in result.estimates
-        },
-        "nrmse": json_value(result.score.nrmse),
-        "rmse": json_value(result.score.rmse),
-        "unidentifiable": list(result.unidentifiable),
-        "barely_known": list(result.barely_known),
-        "noise_correlation": dict(result.correlation),
-        "solver_error": _plain_solver_error(result.solver_error),
-        "profiles": {
-            one.name: {
-                "status": one.status.name.lower(),
-                "sentence": one.status.value,
-                "interval": list(one.interval),
-                "values": list(one.values),
-                "rise": list(one.rise),
-                "threshold": one.threshold,
-            }
-            for one in profiles
-        },
-        "iterations": result.iterations,
-        "window": json_value(result.window),
-        "model": to_python(result.model),
-    }
-
-
-def _plain_solver_error(error: SolverError | None) -> dict[str, object] | None:
-    if error is None:
+    Windows begin anew at what was measured: the worse a model, the shorter the ones
+    that it bears, and the better it looks in them.
+    """
+    if result.window is None or result.status is FitStatus.SIMULATION_FAILED:
         return None
-    return {
-        "status": error.status.name.lower(),
-        "sentence": error.status.value,
-        "rmse": json_value(error.rmse),
-        "shift": json_value(error.shift),
-    }
+    simulated = simulate_whole(fitted, bound)
+    return simulated.score if simulated.whole else None

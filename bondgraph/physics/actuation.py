@@ -61,7 +61,7 @@ class InputScale(AbstractPhysics):
 
 
 class Saturation(AbstractPhysics):
-    """An input that does not pass a limit: supply voltage, current limit, valve."""
+    """An input that does not pass a limit, or change faster than one: supply, valve."""
 
     word = "saturation"
     reference = "actuator saturation: Åström and Hägglund 2006"

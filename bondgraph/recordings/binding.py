@@ -4,7 +4,7 @@ Here, and only here, the units of a recording meet those of a model. What a mode
 and a recording lacks is refused by the model's name for it.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +17,7 @@ from bondgraph.recordings.channel import Channel, FloatArray, read_only
 from bondgraph.recordings.names import join_header
 from bondgraph.recordings.reading import read_recording
 from bondgraph.recordings.recording import Recording, as_index, part_range
-from bondgraph.structure.units import conversion
+from bondgraph.structure.units import conversion, si_unit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -149,8 +149,21 @@ def bind(
         steady=recording.steady,
         source=recording.source,
         sha256=recording.sha256,
-        notes=recording.notes,
+        notes=(*recording.notes, *_not_converted(found, unchecked)),
     )
+
+
+def _not_converted(
+    found: Mapping[str, Channel], unchecked: AbstractSet[str]
+) -> Iterator[str]:
+    """Yield a sentence for each channel whose unit would convert, and does not."""
+    for name in found:
+        unit = found[name].unit
+        if name in unchecked and conversion(unit, si_unit(unit)) != (1.0, 0.0):
+            yield (
+                f"{name} goes in as the number of [{unit}] that the file has: the "
+                "domain analogue has no unit to convert it to."
+            )
 
 
 def read_bound(
