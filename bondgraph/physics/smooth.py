@@ -25,6 +25,9 @@ the recordings where these tell them, and not wholly open where another law shar
 BOTH = 0.3
 """How far the shorter way goes, of the longer one, where both may be the same."""
 
+GRID = 401
+"""Points at which a curve is held against a line."""
+
 
 @dataclass(frozen=True, slots=True)
 class Smooth:
@@ -103,21 +106,23 @@ def bending(
 ) -> tuple[sympy.Expr, tuple[Coefficient, ...]]:
     """Return a smooth curve through divided knots, and its coefficients.
 
-    From a middle knot, with the slope after it, the curve bends outwards at each other,
-    and goes on straight beyond its ends.
+    Level and slope are those of the line that is nearest to it over the range: where
+    another law takes what is proportional, it takes that line. The curve goes on
+    straight beyond its ends.
     """
     knots = _divided(first, smooth.pieces)
     values = smooth.begin(knots, first)
-    slopes = np.diff(values) / np.diff(knots)
-    middle = (len(knots) - 1) // 2
+    grid = np.linspace(knots[0], knots[-1], GRID)
+    amid = float(grid.mean())
     pen = _Pen(place, stem, unit, smooth, knots[-1] - knots[0])
-    level, slope = pen.level(values[middle]), pen.slope(slopes[middle])
-    bends = tuple(pen.bends(knots, slopes))
-    terms = [level.symbol, slope.symbol * (x - knots[middle])]
-    for i, bend in enumerate(bends, start=1):
-        away = x - knots[i]
-        outwards = sympy.Abs(away) + (away if i > middle else -away)
-        terms.append(bend.symbol * outwards / 2)
+    steepness, height = np.polyfit(grid - amid, np.interp(grid, knots, values), 1)
+    level, slope = pen.level(height), pen.slope(steepness)
+    bends = tuple(pen.bends(knots, np.diff(values) / np.diff(knots)))
+    terms = [level.symbol, slope.symbol * (x - amid)]
+    for knot, bend in zip(knots[1:], bends, strict=False):
+        part = np.polyfit(grid - amid, np.abs(grid - knot) / 2, 1)
+        line = float(part[0]) * (x - amid) + float(part[1])
+        terms.append(bend.symbol * (sympy.Abs(x - knot) / 2 - line))
     return sympy.Add(*terms), (level, slope, *bends)
 
 
@@ -132,14 +137,22 @@ def same_both_ways(
     side = first if first[-1] >= -first[0] else tuple(-knot for knot in first[::-1])
     knots = _divided((0.0, *(knot for knot in side if knot > 0)), smooth.pieces)
     there, back = (smooth.begin([way * at for at in knots], first) for way in (1, -1))
-    slopes = np.diff((there - back) / 2.0) / np.diff(knots)
+    values = (there - back) / 2.0
+    grid = np.linspace(0.0, knots[-1], GRID)
     pen = _Pen(place, stem, unit, smooth, 2.0 * knots[-1])
-    slope, bends = pen.slope(slopes[0]), tuple(pen.bends(knots, slopes))
+    slope = pen.slope(_proportion(grid, np.interp(grid, knots, values)))
+    bends = tuple(pen.bends(knots, np.diff(values) / np.diff(knots)))
     terms = [slope.symbol * x]
     for knot, bend in zip(knots[1:], bends, strict=False):
-        beyond = sympy.Abs(x - knot) - sympy.Abs(x + knot) + 2 * x
-        terms.append(bend.symbol * beyond / 2)
+        part = _proportion(grid, np.maximum(grid - knot, 0.0))
+        beyond = (sympy.Abs(x - knot) - sympy.Abs(x + knot)) / 2 + x
+        terms.append(bend.symbol * (beyond - part * x))
     return sympy.Add(*terms), (slope, *bends)
+
+
+def _proportion(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
+    """Return the slope of the line through zero that is nearest to a curve."""
+    return float(x @ y / (x @ x))
 
 
 def _divided(knots: Knots, pieces: int) -> Knots:
