@@ -74,6 +74,30 @@ def test_the_same_law_is_as_sure_as_it_is_beside_what_was_found_since(choose_aga
     assert shares_of([*unsure[1:2], again])[-1] > 0.9
 
 
+def test_a_fit_that_comes_less_far_says_how_sure_the_same_law_is(
+    choose_again, monkeypatch
+):
+    rounds, drag = searched(QuadraticDrag(), gain=0.5)
+    unsure = [replace(rounds[0], probability=0.2), *rounds[1:]]
+    monkeypatch.setattr(
+        "bondgraph.diagnosis.search.reconsidered.as_good", lambda *_: False
+    )
+    *_, again, last = choose_again(unsure)
+    assert (again.chosen.physics, again.removed) == ("quadratic_drag", (drag,))
+    assert again.probability > 0.5
+    assert last.base is unsure[-1].base
+
+
+def test_another_law_that_fits_less_well_does_not_take_the_place(
+    choose_again, monkeypatch
+):
+    rounds, _ = searched(SpeedLimit(), gain=0.2)
+    monkeypatch.setattr(
+        "bondgraph.diagnosis.search.reconsidered.as_good", lambda *_: False
+    )
+    assert choose_again(rounds) == rounds
+
+
 def test_what_explained_much_is_not_asked_again(choose_again):
     rounds, _ = searched(SpeedLimit(), gain=LITTLE)
     assert choose_again(rounds) == rounds

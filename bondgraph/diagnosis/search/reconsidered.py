@@ -20,6 +20,7 @@ from bondgraph.diagnosis.search.removal import fitted_with
 from bondgraph.diagnosis.search.round_found import Round, accepted, chosen_in
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.errors import BondGraphError
+from bondgraph.fitting.fitted import FittedModel
 from bondgraph.recordings.binding import BoundRecording
 
 Array = NDArray[np.float64]
@@ -49,9 +50,9 @@ def reconsidered(
             continue
         shop.progress(f"choosing again at {chosen.place}, beside what was found since")
         again = _again(kept, found, recordings, noise, options, shop)
-        if again is not None and again.chosen is not None:
-            fitted = again.chosen.candidate.fitted
-            kept = [*kept[:-1], again, replace(kept[-1], base=fitted)]
+        if again is not None:
+            one, fitted = again
+            kept = [*kept[:-1], one, replace(kept[-1], base=fitted)]
     return kept
 
 
@@ -69,8 +70,12 @@ def _again(
     noise: Array,
     options: Options,
     shop: Workshop,
-) -> Round | None:
-    """Return the round that chooses another law in place of one; None where none."""
+) -> tuple[Round, FittedModel] | None:
+    """Return the round that chooses in place of a law, and the model with its choice.
+
+    None where the law and how sure it is stay. A fit to the same law that has not come
+    as far as the model had says no less how sure it is; the model stays.
+    """
     assert found.chosen is not None
     before, current = found.chosen, rounds[-1].base
     law = before.candidate.hypothesis
@@ -91,8 +96,10 @@ def _again(
     same = (chosen.physics, chosen.place) == (before.physics, before.place)
     known = 1.0 if found.probability is None else found.probability
     surer = (seen.probability or 0.0) > known
+    unchanged = chosen.candidate.hypothesis.told_by == law.told_by
     fits = as_good(chosen.candidate.fitted, current, options.rule)
-    if not fits or (same and not surer):
+    if not (fits or unchanged) or (same and not surer):
         return None
     left = without.optimum.cost / rounds[0].base.optimum.cost
-    return replace(seen, removed=(*seen.removed, law), without=left)
+    again = replace(seen, removed=(*seen.removed, law), without=left)
+    return again, chosen.candidate.fitted if fits else current
