@@ -122,6 +122,34 @@ def test_laws_that_mend_the_shape_of_a_first_one_make_no_cause(first, second, to
     assert (better is not None and better.is_told) is told
 
 
+def test_one_relation_is_likelier_than_three_laws_that_leave_as_much():
+    one = judged(0.15, physics="overflow", place="shaft")
+    curve = judged(0.01, physics=CURVE, place="shaft", complexity=6)
+    two, three = (
+        replace(law, gain=replace(law.gain, value=gain))
+        for law, gain in (
+            (judged(0.03, physics="coulomb_friction", place="shaft"), 0.8),
+            (judged(0.0098, physics="sensor_nonlinearity", place="speed"), 0.67),
+        )
+    )
+    rounds = rounds_of(one, curve, two)
+    assert better_curve(rounds, Rule()).is_told  # thrice what the curve leaves
+    less = Round(None, judged=(three,), chosen=three)
+    assert better_curve([*rounds, less], Rule()) is None
+    as_much = judged(0.0105, physics="sensor_nonlinearity", place="speed")
+    as_much = replace(as_much, gain=replace(as_much.gain, value=0.65))
+    better = better_curve([*rounds, replace(less, chosen=as_much)], Rule())
+    assert better.is_told
+
+
+def test_the_better_a_curve_the_less_need_a_law_leave():
+    first = judged(0.03, physics="saturation", place="bus")
+    for left, told in ((0.004, True), (0.009, False)):
+        curve = judged(left, physics=CURVE, place="bus", complexity=6)
+        rounds = [Round(None, judged=(first, curve), chosen=first)]
+        assert better_curve(rounds, Rule()).is_told is told
+
+
 def test_a_curve_is_compared_however_the_data_were_dealt_later(monkeypatch):
     first = judged(0.15, physics="dead_zone", place="pump")
     curve = judged(0.01, physics=CURVE, place="pump", complexity=6)

@@ -20,12 +20,12 @@ from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import (
     JunctionPlace,
     OneJunctionPlace,
-    junction_place,
 )
 from bondgraph.physics.position import restoring
 from bondgraph.physics.smooth import Knots, Smooth
+from bondgraph.physics.unknown_elements import forms_of_element
 from bondgraph.structure.domains import Quantity
-from bondgraph.structure.elements import Gyrator, OnePort, Resistance, Transformer
+from bondgraph.structure.elements import OnePort, Resistance
 from bondgraph.structure.signals import e, effort, f, flow, q
 
 BOTH_WAYS = ", the same both ways"
@@ -69,7 +69,7 @@ class UnknownRelation(AbstractPhysics):
             yield partial(self._of_input, place)
             yield partial(self._gain, place)
         elif isinstance(place, ElementPlace):
-            yield from self._ratios(place)
+            yield from forms_of_element(self.hypothesis, place, self.smooth)
 
     def _odd(self, knots: Knots) -> bool:
         return self.smooth is not None and self.smooth.is_odd_over(knots)
@@ -164,31 +164,6 @@ class UnknownRelation(AbstractPhysics):
         edit = place.insert(element, *own, width)
         found = self.hypothesis(place, edit, law, own, words)
         return replace(found, factor=factor)
-
-    def _ratios(self, place: ElementPlace) -> Iterator[Callable[[], Hypothesis]]:
-        """Make a ratio a curve of a displacement beside it."""
-        if not isinstance(place.element, Transformer | Gyrator):
-            return
-        for name in place.junctions:
-            if not place.is_one_junction(name):
-                continue
-            beside = junction_place(place.graph, name, place.scales)
-            if beside.domain in MECHANICAL and beside.displacement_known:
-                yield partial(self._ratio, place, beside)
-
-    def _ratio(self, place: ElementPlace, beside: JunctionPlace) -> Hypothesis:
-        size = beside.displacement
-        knots = even(_visited(beside, Q), size)
-        stem = f"curve_{beside.name}"
-        width = place.constant(f"{stem}_width", beside.unit(Q), size)
-        x = beside.displacement_signal / width.symbol
-        curve, heights = drawn(place, stem, "1", x, knots, self.smooth)
-        law = place.usual_law * (1 + curve)
-        words = f"{place.name} changes along the way of {beside.name}"
-        edit = place.replace(law, *heights, width)
-        found = self.hypothesis(place, edit, law, heights, words, also=place.junctions)
-        way = (beside.displacement_signal, beside.domain.displacement, beside.unit(Q))
-        return replace(found, shape=Shape(*way, 1 + curve, "ratio to its usual", "1"))
 
 
 def knots_at(place: JunctionPlace, quantity: Quantity) -> Knots:

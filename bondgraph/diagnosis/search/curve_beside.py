@@ -32,13 +32,15 @@ FAR_MORE = 3.0
 """Those that leave so many times as much are told as the curve ..."""
 
 NOT_ALL = 0.05
-"""... where they also leave this share of what the first model left: of a real machine
-dry friction explains most and not all, and is what its friction is called.
+"""... where they also leave this share of what the first model left, or as much less as
+the curve is better still: of a real machine dry friction explains most and not all, and
+is what its friction is called.
 """
 
-STILL_MORE = 2.0
-"""Where the first law was so, others only mend its shape that still leave so many times
-what the curve does: two laws that are both there leave less than any one curve.
+STILL_MORE, AS_MUCH = 2.0, 1.0
+"""Where the first law was so, others only mend its shape: a second that still leaves so
+many times what the curve does, for two laws that are both there leave less than any one
+curve; and more that leave as much, for one relation is likelier than three.
 """
 
 
@@ -56,6 +58,8 @@ class BetterCurve:
         The share of the first model's error that these leave.
     first_times, first_left
         The same of the law that was chosen in its place.
+    laws
+        How many there are.
     """
 
     index: int
@@ -64,17 +68,19 @@ class BetterCurve:
     left: float
     first_times: float
     first_left: float
+    laws: int
 
     @property
     def is_told(self) -> bool:
         """Whether it is to be told in their place."""
         then = _only_near(self.first_times, self.first_left)
-        return _only_near(self.times, self.left) or (then and self.times >= STILL_MORE)
+        enough = STILL_MORE if self.laws <= 2 else AS_MUCH
+        return _only_near(self.times, self.left) or (then and self.times >= enough)
 
 
 def _only_near(times: float, left: float) -> bool:
     """Return whether what leaves so much, and so many times a curve, is no cause."""
-    return times >= FAR_MORE and left >= NOT_ALL
+    return times >= FAR_MORE and left * times >= NOT_ALL * FAR_MORE
 
 
 def better_curve(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
@@ -102,17 +108,18 @@ def better_curve(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
     index, best = min(curves, key=lambda one: float(one[1].errors.chunks.sum()))
     last = _dealt_like(last, best)
     times = _times(last, best)
-    if times < LEAVES_MORE or not clearly_better(best, last, rule):
-        return None
     first, until = rounds[index].chosen, rounds[: index + 1]
-    return BetterCurve(
+    better = BetterCurve(
         index,
         best,
         times,
         1.0 - explained(rounds),
         first_times=times if first is None else _times(first, best),
         first_left=1.0 - explained(until),
+        laws=len(made),
     )
+    clearly = times >= LEAVES_MORE and clearly_better(best, last, rule)
+    return better if clearly or (len(made) > 2 and better.is_told) else None
 
 
 def _times(judged: Judged, curve: Judged) -> float:

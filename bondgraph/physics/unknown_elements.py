@@ -1,0 +1,81 @@
+"""Free curves in the own law of an element: a ratio on the way, what a store holds."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+
+from bondgraph.physics.curves import drawn, even
+from bondgraph.physics.hypothesis import Hypothesis, Shape
+from bondgraph.physics.places.base import ELECTRIC, MECHANICAL, E, F, P, Q
+from bondgraph.physics.places.element import ElementPlace
+from bondgraph.physics.places.junction import JunctionPlace, junction_place
+from bondgraph.physics.smooth import Smooth
+from bondgraph.structure.elements import Compliance, Gyrator, Inertance, Transformer
+from bondgraph.structure.signals import displacement, momentum, p, q
+
+Make = Callable[..., Hypothesis]
+"""What makes a hypothesis of that physics: `AbstractPhysics.hypothesis`."""
+
+
+def forms_of_element(
+    make: Make, place: ElementPlace, smooth: Smooth | None
+) -> Iterator[Callable[[], Hypothesis]]:
+    """Yield what makes each curve that the law of an element may be."""
+    match place.element:
+        case Transformer() | Gyrator():
+            for name in filter(place.is_one_junction, place.junctions):
+                beside = junction_place(place.graph, name, place.scales)
+                if beside.domain in MECHANICAL and beside.displacement_known:
+                    yield partial(_ratio, make, place, beside, smooth)
+        case Inertance(law=None) if place.domain in ELECTRIC:
+            yield partial(_store, make, place, smooth)
+        case Compliance(law=None) if not any(
+            map(place.is_one_junction, place.junctions)
+        ):  # At a 1-junction it is the curve of the displacement there.
+            yield partial(_store, make, place, smooth)
+
+
+def _ratio(
+    make: Make, place: ElementPlace, beside: JunctionPlace, smooth: Smooth | None
+) -> Hypothesis:
+    """Make a ratio a curve of a displacement beside it."""
+    size = beside.displacement
+    knots = even(beside.scales.range_of(f"{Q}({beside.name})", size), size)
+    stem = f"curve_{beside.name}"
+    width = place.constant(f"{stem}_width", beside.unit(Q), size)
+    x = beside.displacement_signal / width.symbol
+    curve, heights = drawn(place, stem, "1", x, knots, smooth)
+    law = place.usual_law * (1 + curve)
+    words = f"{place.name} changes along the way of {beside.name}"
+    edit = place.replace(law, *heights, width)
+    found = make(place, edit, law, heights, words, also=place.junctions)
+    way = (beside.displacement_signal, beside.domain.displacement, beside.unit(Q))
+    return replace(found, shape=Shape(*way, 1 + curve, "ratio to its usual", "1"))
+
+
+def _store(make: Make, place: ElementPlace, smooth: Smooth | None) -> Hypothesis:
+    """Make what a store answers with a curve of what it holds, beside its line.
+
+    In a model of what is held the base model's value tells: a momentum is not read.
+    """
+    value = place.scales.fitted.get(place.name) or place.linear_value or 1.0
+    if isinstance(place.element, Inertance):
+        held, answer, own, signal = P, F, p, momentum(place.name)
+        name, typical = place.domain.momentum, place.flow
+        common = f"{F}({place.junctions[0]})"
+    else:
+        held, answer, own, signal = Q, E, q, displacement(place.name)
+        name, typical = place.domain.displacement, place.effort
+        common = f"{E}({place.junctions[0]})"
+    knots = even(place.scales.range_of(common, typical), typical)
+    width = place.constant("curve_held", place.unit(held), value * typical)
+    unit = place.unit(answer)
+    curve, heights = drawn(place, "curve", unit, own / width.symbol, knots, smooth)
+    law = place.usual_law + curve
+    words = f"{place.name} holds along an unnamed curve"
+    edit = place.replace(law, *heights, width)
+    found = make(place, edit, law, heights, words, also=place.junctions)
+    shown = place.usual_law.subs(own, signal) + curve.subs(own, signal)
+    given = (signal, name, place.unit(held))
+    called = place.domain.word(answer)
+    return replace(found, shape=Shape(*given, shown, called, unit))
