@@ -20,6 +20,7 @@ from bondgraph.fitting.horizon import Horizon, cut
 from bondgraph.fitting.problem import truncated_inverse
 from bondgraph.fitting.settling import settle
 from bondgraph.numeric.model import compile_model
+from bondgraph.physics.places.base import ELECTRIC
 from bondgraph.physics.places.displacements import known_displacement
 from bondgraph.physics.places.junction import junction_place
 from bondgraph.physics.places.scales import Scales
@@ -32,12 +33,13 @@ from bondgraph.structure.elements import (
     Compliance,
     EffortSource,
     FlowSource,
+    Inertance,
     Junction,
     OneJunction,
 )
 from bondgraph.structure.graph import FinishedGraph, Measurement
 from bondgraph.structure.parameters import Parameter
-from bondgraph.structure.signals import Signal, displacement, parameter_symbol
+from bondgraph.structure.signals import Signal, displacement, momentum, parameter_symbol
 
 Array = NDArray[np.float64]
 VIRTUAL = "virtual_source"
@@ -66,6 +68,10 @@ def _probes(graph: FinishedGraph) -> tuple[Signal, ...]:
         displacement(element.name)
         for element in graph.elements
         if isinstance(element, Compliance)
+    } | {
+        momentum(element.name)
+        for element in graph.elements
+        if isinstance(element, Inertance) and graph.domain_at(element.name) in ELECTRIC
     }
     unique = dict.fromkeys([*own, *sorted(read | held, key=lambda s: s.name)])
     return tuple(unique)

@@ -4,12 +4,14 @@ A broken line through few knots of free height finds a place. To be shown it is 
 finely.
 """
 
+from dataclasses import replace
 from itertools import pairwise
 
 import sympy
 
+from bondgraph.physics.bends import Knots
 from bondgraph.physics.places.base import Coefficient, Place
-from bondgraph.physics.smooth import Knots, Smooth, bending, same_both_ways
+from bondgraph.physics.smooth import Smooth, smooth_curve
 
 TURNING = (-1.0, -0.3, -0.03, 0.03, 0.3, 1.0)
 """Knots of a law of flow, in typical flows: close about zero, where friction turns."""
@@ -64,10 +66,9 @@ def drawn(
     odd
         Whether a smooth curve is the same both ways.
     """
-    if smooth is not None and odd:
-        return same_both_ways(place, stem, unit, x, knots, smooth)
     if smooth is not None:
-        return bending(place, stem, unit, x, knots, smooth)
+        smooth = replace(smooth, odd=odd)
+        return smooth_curve(place, stem, unit, x, knots, smooth)
     starts = (0.0, level) if level else (0.0,)
     heights = tuple(
         place.strength(f"{stem}_{i}", unit, starts) for i in range(len(knots))

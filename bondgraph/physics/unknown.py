@@ -11,6 +11,7 @@ from functools import partial
 
 import sympy
 
+from bondgraph.physics.bends import Knots
 from bondgraph.physics.curves import ALONG, drawn, even, turning
 from bondgraph.physics.dry_friction import direction
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Shape
@@ -22,7 +23,7 @@ from bondgraph.physics.places.junction import (
     OneJunctionPlace,
 )
 from bondgraph.physics.position import restoring
-from bondgraph.physics.smooth import Knots, Smooth
+from bondgraph.physics.smooth import Smooth
 from bondgraph.physics.unknown_elements import forms_of_element
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.elements import OnePort, Resistance

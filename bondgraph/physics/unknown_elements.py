@@ -27,9 +27,9 @@ def forms_of_element(
                 beside = junction_place(place.graph, name, place.scales)
                 if beside.domain in MECHANICAL and beside.displacement_known:
                     yield partial(_ratio, make, place, beside, smooth)
-        case Inertance(law=None) if place.domain in ELECTRIC:
+        case Inertance() if place.domain in ELECTRIC:
             yield partial(_store, make, place, smooth)
-        case Compliance(law=None) if not any(
+        case Compliance() if not any(
             map(place.is_one_junction, place.junctions)
         ):  # At a 1-junction it is the curve of the displacement there.
             yield partial(_store, make, place, smooth)
@@ -54,21 +54,17 @@ def _ratio(
 
 
 def _store(make: Make, place: ElementPlace, smooth: Smooth | None) -> Hypothesis:
-    """Make what a store answers with a curve of what it holds, beside its line.
-
-    In a model of what is held the base model's value tells: a momentum is not read.
-    """
-    value = place.scales.fitted.get(place.name) or place.linear_value or 1.0
+    """Make what a store answers with a curve of what it holds, beside its law."""
     if isinstance(place.element, Inertance):
         held, answer, own, signal = P, F, p, momentum(place.name)
         name, typical = place.domain.momentum, place.flow
-        common = f"{F}({place.junctions[0]})"
     else:
         held, answer, own, signal = Q, E, q, displacement(place.name)
         name, typical = place.domain.displacement, place.effort
-        common = f"{E}({place.junctions[0]})"
-    knots = even(place.scales.range_of(common, typical), typical)
-    width = place.constant("curve_held", place.unit(held), value * typical)
+    value = place.scales.fitted.get(place.name) or place.linear_value or 1.0
+    size = place.scales.at(held, place.name, value * typical)
+    knots = even(place.scales.range_of(f"{held}({place.name})", size), size)
+    width = place.constant("curve_held", place.unit(held), size)
     unit = place.unit(answer)
     curve, heights = drawn(place, "curve", unit, own / width.symbol, knots, smooth)
     law = place.usual_law + curve

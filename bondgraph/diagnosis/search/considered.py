@@ -18,7 +18,8 @@ from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.contact import Backlash
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.recordings.binding import BoundRecording
-from bondgraph.structure.edits import LoosenBond
+from bondgraph.structure.domains import Quantity
+from bondgraph.structure.edits import InsertElement, LoosenBond
 
 Array = NDArray[np.float64]
 
@@ -69,9 +70,12 @@ def considered(setting: Setting) -> tuple[Hypothesis, ...]:
 
     A wrong sign or unit shows before anything else. Beside a law that has been found it
     would only bend it: in a unit a thousand times larger every smooth edge is a sharp
-    one. So would a law at the contact of a play that has been found.
+    one. So would a law at the contact of a play that has been found, or one of the very
+    variable of which a curve has been found there; not of a displacement, where a
+    ripple is finer than any curve.
     """
     contacts = {name for one in setting.found for name in _contact_of(one)}
+    drawn = {_variable_of(one) for one in setting.found if one.physics == CURVE}
     there = {(one.physics, one.place, one.words) for one in setting.found}
     return tuple(
         one
@@ -80,7 +84,17 @@ def considered(setting: Setting) -> tuple[Hypothesis, ...]:
         and (setting.is_first or not one.is_slip)
         and (one.physics, one.place, one.words) not in there
         and one.place not in contacts
+        and (_variable_of(one) is None or _variable_of(one) not in drawn)
     )
+
+
+def _variable_of(law: Hypothesis) -> tuple[str, str] | None:
+    """Return the place of what is hung there, and the one flow or effort it reads."""
+    common = {Quantity.FLOW.value, Quantity.EFFORT.value}
+    hung = isinstance(law.edit, InsertElement) and law.factor == 1
+    if not hung or len(law.depends_on) != 1 or law.depends_on[0] not in common:
+        return None
+    return law.place, law.depends_on[0]
 
 
 def _contact_of(found: Hypothesis) -> set[str]:

@@ -37,10 +37,11 @@ the curve is better still: of a real machine dry friction explains most and not 
 is what its friction is called.
 """
 
-STILL_MORE, AS_MUCH = 2.0, 1.0
+STILL_MORE, AS_MUCH = 2.0, 0.5
 """Where the first law was so, others only mend its shape: a second that still leaves so
 many times what the curve does, for two laws that are both there leave less than any one
-curve; and more that leave as much, for one relation is likelier than three.
+curve; and more that leave about as much, or more than the curve once that is finely
+drawn, for one relation is likelier than three.
 """
 
 
@@ -52,6 +53,8 @@ class BetterCurve:
     ----------
     index
         Of the round that judged it.
+    named
+        All that was found with a name, judged on as many chunks.
     times
         How many times what it leaves the named laws leave.
     left
@@ -64,6 +67,7 @@ class BetterCurve:
 
     index: int
     curve: Judged
+    named: Judged
     times: float
     left: float
     first_times: float
@@ -74,7 +78,7 @@ class BetterCurve:
     def is_told(self) -> bool:
         """Whether it is to be told in their place."""
         then = _only_near(self.first_times, self.first_left)
-        enough = STILL_MORE if self.laws <= 2 else AS_MUCH
+        enough = AS_MUCH if self.laws > 2 else STILL_MORE
         return _only_near(self.times, self.left) or (then and self.times >= enough)
 
 
@@ -89,12 +93,36 @@ def better_curve(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
     Where none was tried at the place of a law with a name, or a curve was found there
     itself, there is none.
     """
-    made = [one.chosen for one in accepted(rounds) if one.chosen is not None]
+    held = _curves_beside(rounds)
+    if not held:
+        return None
+    best = held[0]
+    clearly = clearly_better(best.curve, best.named, rule)
+    return best if clearly and best.times >= LEAVES_MORE else None
+
+
+def told_instead(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
+    """Return the curve to tell in place of what was found with a name, if any.
+
+    In place of three laws and more the one that was tried first, so in place of all.
+    """
+    better = better_curve(rounds, rule)
+    if better is not None and better.is_told:
+        return better
+    if len(_made(rounds)) > 2:
+        told = [one for one in _curves_beside(rounds) if one.is_told]
+        return min(told, key=lambda one: one.index, default=None)
+    return None
+
+
+def _curves_beside(rounds: Sequence[Round]) -> list[BetterCurve]:
+    """Return the curves that were tried where a law with a name was found, best first.
+
+    None where a curve was found itself.
+    """
+    made = _made(rounds)
     drawn = {one.place for one in made if one.physics == CURVE}
     places = {one.place for one in made} - drawn
-    if not places:
-        return None
-    last = made[-1]
     curves = [
         (i, judged)
         for i, found in enumerate(rounds)
@@ -103,23 +131,36 @@ def better_curve(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
         and judged.support is Support.SUPPORTED
         and judged.place in places
     ]
-    if not curves:
-        return None
-    index, best = min(curves, key=lambda one: float(one[1].errors.chunks.sum()))
-    last = _dealt_like(last, best)
-    times = _times(last, best)
-    first, until = rounds[index].chosen, rounds[: index + 1]
-    better = BetterCurve(
+    curves.sort(key=lambda one: float(one[1].errors.chunks.sum()))
+    dealt = {judged.errors.chunks.size: judged for _, judged in curves}
+    named = {size: _dealt_like(made[-1], judged) for size, judged in dealt.items()}
+    return [
+        _held_against(named[judged.errors.chunks.size], rounds, i, judged)
+        for i, judged in curves
+    ]
+
+
+def _made(rounds: Sequence[Round]) -> list[Judged]:
+    """Return what was chosen and kept, in order."""
+    return [one.chosen for one in accepted(rounds) if one.chosen is not None]
+
+
+def _held_against(
+    named: Judged, rounds: Sequence[Round], index: int, curve: Judged
+) -> BetterCurve:
+    """Return a curve held against all that was found with a name."""
+    times = _times(named, curve)
+    first = rounds[index].chosen
+    return BetterCurve(
         index,
-        best,
+        curve,
+        named,
         times,
         1.0 - explained(rounds),
-        first_times=times if first is None else _times(first, best),
-        first_left=1.0 - explained(until),
-        laws=len(made),
+        first_times=times if first is None else _times(first, curve),
+        first_left=1.0 - explained(rounds[: index + 1]),
+        laws=len(accepted(rounds)),
     )
-    clearly = times >= LEAVES_MORE and clearly_better(best, last, rule)
-    return better if clearly or (len(made) > 2 and better.is_told) else None
 
 
 def _times(judged: Judged, curve: Judged) -> float:
@@ -139,16 +180,19 @@ def _dealt_like(judged: Judged, other: Judged) -> Judged:
 
 def with_curve(
     rounds: Sequence[Round], better: BetterCurve, rule: Rule, shop: Workshop
-) -> list[Round]:
+) -> list[Round] | None:
     """Return the rounds up to the one that judged the curve, which it has chosen.
 
-    Like any curve that is chosen it is drawn as finely as the data tell.
+    Like any curve that is chosen it is drawn as finely as the data tell. None where it
+    leaves more even so.
     """
     found, curve = rounds[better.index], better.curve
     before = left_out_errors(found.base, curve.errors.chunks.size)
     sure = probability(curve, found.judged, before, rule)
     bench = Bench.of(found.base, shop, f"round {better.index + 1}")
     drawn = as_fine_as_told(bench, curve, before)
+    if better.times < LEAVES_MORE and _times(better.named, drawn) < 1.0:
+        return None
     judged = tuple(drawn if one is curve else one for one in found.judged)
     told = replace(found, judged=judged, chosen=drawn, probability=sure, removed=())
     return [*rounds[: better.index], told]

@@ -19,7 +19,7 @@ from bondgraph.diagnosis.search.between_samples import (
 )
 from bondgraph.diagnosis.search.beyond_noise import left_beside, within
 from bondgraph.diagnosis.search.considered import Setting
-from bondgraph.diagnosis.search.curve_beside import better_curve, with_curve
+from bondgraph.diagnosis.search.curve_beside import told_instead, with_curve
 from bondgraph.diagnosis.search.exchange import Reached
 from bondgraph.diagnosis.search.making import Made, made_of, or_two
 from bondgraph.diagnosis.search.one_round import one_round
@@ -65,10 +65,12 @@ def search(
     """
     start = Reached(base, base, (), noise)
     rounds = _searched([], start, recordings, options, shop)
-    curve = better_curve(rounds, options.rule)
-    if curve is not None and curve.is_told and not shop.limit.passed:
+    curve = told_instead(rounds, options.rule)
+    begun = None
+    if curve is not None and not shop.limit.passed:
         shop.progress("again, from a curve that no law with a name comes near to")
         begun = with_curve(rounds, curve, options.rule, shop)
+    if begun is not None:
         *before, last = chosen_in(begun)
         added = tuple(one.hypothesis for one in before)
         at = Reached(begun[0].base, begun[-1].base, added, noise)
