@@ -7,6 +7,7 @@ finely.
 from dataclasses import replace
 from itertools import pairwise
 
+import numpy as np
 import sympy
 
 from bondgraph.physics.bends import Knots
@@ -52,6 +53,7 @@ def drawn(
     level: float = 0.0,
     *,
     odd: bool = False,
+    bent: bool = False,
 ) -> tuple[sympy.Expr, tuple[Coefficient, ...]]:
     """Return the curve of `x` through knots, and what is fitted of it.
 
@@ -65,6 +67,9 @@ def drawn(
         Of a second start of a broken line, the same at every knot.
     odd
         Whether a smooth curve is the same both ways.
+    bent
+        Whether few heights are joined by a natural cubic spline instead: what is known
+        to be smooth, and steep at its ends, no broken line through few knots follows.
     """
     if smooth is not None:
         smooth = replace(smooth, odd=odd)
@@ -73,7 +78,8 @@ def drawn(
     heights = tuple(
         place.strength(f"{stem}_{i}", unit, starts) for i in range(len(knots))
     )
-    return _interpolation(x, knots, heights), heights
+    between = _spline if bent else _interpolation
+    return between(x, knots, heights), heights
 
 
 def _interpolation(
@@ -94,3 +100,24 @@ def _interpolation(
         for knot, (before, after) in zip(knots, bends, strict=True)
     )
     return sympy.Add((values[0] + values[-1]) / 2, *kinks)
+
+
+def _spline(
+    x: sympy.Expr, knots: Knots, heights: tuple[Coefficient, ...]
+) -> sympy.Expr:
+    """Return the natural cubic spline through (knot, height), straight beyond the ends.
+
+    A line and a sum of ``|x - knot|^3``, whose sizes follow from the heights.
+    """
+    at, n = np.array(knots), len(knots)
+    line = np.column_stack([np.ones(n), at])
+    cubes = np.abs(at[:, None] - at) ** 3
+    known = np.block([[cubes, line], [line.T, np.zeros((2, 2))]])
+    sizes = np.linalg.inv(known)[:, :n]
+
+    def size(row: int) -> sympy.Expr:
+        terms = zip(sizes[row], heights, strict=True)
+        return sympy.Add(*(float(share) * height.symbol for share, height in terms))
+
+    bends = (size(i) * sympy.Abs(x - knot) ** 3 for i, knot in enumerate(knots))
+    return sympy.Add(size(n), size(n + 1) * x, *bends)

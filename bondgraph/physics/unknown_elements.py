@@ -16,6 +16,9 @@ from bondgraph.structure.signals import displacement, momentum, p, q
 Make = Callable[..., Hypothesis]
 """What makes a hypothesis of that physics: `AbstractPhysics.hypothesis`."""
 
+STORE = 8
+"""Knots of what a store answers with."""
+
 
 def forms_of_element(
     make: Make, place: ElementPlace, smooth: Smooth | None
@@ -63,10 +66,11 @@ def _store(make: Make, place: ElementPlace, smooth: Smooth | None) -> Hypothesis
         name, typical = place.domain.displacement, place.effort
     value = place.scales.fitted.get(place.name) or place.linear_value or 1.0
     size = place.scales.at(held, place.name, value * typical)
-    knots = even(place.scales.range_of(f"{held}({place.name})", size), size)
+    knots = even(place.scales.range_of(f"{held}({place.name})", size), size, STORE)
     width = place.constant("curve_held", place.unit(held), size)
     unit = place.unit(answer)
-    curve, heights = drawn(place, "curve", unit, own / width.symbol, knots, smooth)
+    x = own / width.symbol
+    curve, heights = drawn(place, "curve", unit, x, knots, smooth, bent=True)
     law = place.usual_law + curve
     words = f"{place.name} holds along an unnamed curve"
     edit = place.replace(law, *heights, width)
