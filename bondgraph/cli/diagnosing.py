@@ -14,6 +14,7 @@ from bondgraph.diagnosis.records import Diagnosis, Support, Verdict
 from bondgraph.diagnosis.work.workers import Here, Where
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.reporting.curve_table import curve_tables
 from bondgraph.reporting.diagnosis_json import delivered, diagnosis_to_dict
 from bondgraph.reporting.page.evidence import best_of_each
 from bondgraph.reporting.report import report_html
@@ -154,6 +155,7 @@ def _told(session: Session, diagnosis: Diagnosis) -> Iterator[str]:
     """
     yield ""
     yield from _errors(diagnosis)
+    yield from curve_tables(diagnosis, **table_style(session))
     if diagnosis.candidates:
         yield "Considered, judged on left-out parts of the training recordings"
         different = best_of_each(diagnosis.candidates)

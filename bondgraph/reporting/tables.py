@@ -57,7 +57,7 @@ class CheckRow:
 
 
 @dataclass(frozen=True, slots=True)
-class _Cell:
+class Cell:
     """Text with a style that adds nothing to its meaning."""
 
     text: str
@@ -65,7 +65,7 @@ class _Cell:
 
 
 @dataclass(frozen=True, slots=True)
-class _Column:
+class Column:
     """A heading; numbers are set flush right."""
 
     heading: str
@@ -86,21 +86,21 @@ def parameters_table(
 ) -> str:
     """Return the parameters of a model: value, what is known, and its source."""
     columns = (
-        _Column("parameter"),
-        _Column("value", numeric=True),
-        _Column("unit"),
-        _Column("source"),
+        Column("parameter"),
+        Column("value", numeric=True),
+        Column("unit"),
+        Column("source"),
     )
     rows = [
         (
-            _Cell(p.name),
-            _Cell(_value(p)),
-            _Cell(_unit(p.unit)),
-            _Cell(_source(p.source), "dim"),
+            Cell(p.name),
+            Cell(_value(p)),
+            Cell(_unit(p.unit)),
+            Cell(_source(p.source), "dim"),
         )
         for p in parameters.members
     ]
-    return _table(columns, rows, colour=colour, width=width)
+    return text_table(columns, rows, colour=colour, width=width)
 
 
 def estimates_table(
@@ -111,30 +111,30 @@ def estimates_table(
     The 95 % interval has a column where it is known and no line must be broken for it.
     """
     columns = (
-        _Column("parameter"),
-        _Column("start", numeric=True),
-        _Column("estimate", numeric=True),
-        _Column("unit"),
+        Column("parameter"),
+        Column("start", numeric=True),
+        Column("estimate", numeric=True),
+        Column("unit"),
     )
     rows, intervals = [], []
     for one in estimates:
         blind = one.std is None
-        value = _Cell(with_deviation(one.value, one.std))
+        value = Cell(with_deviation(one.value, one.std))
         if blind:
-            value = _Cell(f"{number_words(one.value)} (not identifiable)", "yellow")
-        start = _Cell(number_words(one.start), "dim")
-        rows.append((_Cell(one.name), start, value, _Cell(_unit(one.unit))))
-        intervals.append(_Cell(_interval(one.interval)))
+            value = Cell(f"{number_words(one.value)} (not identifiable)", "yellow")
+        start = Cell(number_words(one.start), "dim")
+        rows.append((Cell(one.name), start, value, Cell(_unit(one.unit))))
+        intervals.append(Cell(_interval(one.interval)))
     if any(cell.text != NOTHING for cell in intervals):
-        wider = (*columns[:3], _Column(INTERVAL), columns[3])
+        wider = (*columns[:3], Column(INTERVAL), columns[3])
         longer = [
             (*row[:3], interval, row[3])
             for row, interval in zip(rows, intervals, strict=True)
         ]
-        table = _table(wider, longer, colour=colour, width=width)
+        table = text_table(wider, longer, colour=colour, width=width)
         if len(table.splitlines()) <= len(rows) + HEADING_LINES:
             return table
-    return _table(columns, rows, colour=colour, width=width)
+    return text_table(columns, rows, colour=colour, width=width)
 
 
 def _interval(interval: tuple[float, float] | None) -> str:
@@ -150,25 +150,25 @@ def candidates_table(
     listed = tuple(candidates)
     shown = any(one.held_out_nrmse is not None for one in listed)
     columns = (
-        _Column("physics"),
-        _Column("at"),
-        _Column("support"),
-        _Column("gain", numeric=True),
-        *((_Column("held-out error", numeric=True),) if shown else ()),
-        _Column("why"),
+        Column("physics"),
+        Column("at"),
+        Column("support"),
+        Column("gain", numeric=True),
+        *((Column("held-out error", numeric=True),) if shown else ()),
+        Column("why"),
     )
     rows = [
         (
-            _Cell(sentence_start(name_of(one.physics))),
-            _Cell(one.place),
-            _Cell(one.support.value, _STYLES[one.support]),
-            _Cell(f"{with_deviation(100 * one.gain, 100 * one.gain_std)} %"),
-            *((_Cell(percent(one.held_out_nrmse)),) if shown else ()),
-            _Cell(one.reason, "dim"),
+            Cell(sentence_start(name_of(one.physics))),
+            Cell(one.place),
+            Cell(one.support.value, _STYLES[one.support]),
+            Cell(f"{with_deviation(100 * one.gain, 100 * one.gain_std)} %"),
+            *((Cell(percent(one.held_out_nrmse)),) if shown else ()),
+            Cell(one.reason, "dim"),
         )
         for one in listed
     ]
-    return _table(columns, rows, colour=colour, width=width)
+    return text_table(columns, rows, colour=colour, width=width)
 
 
 def checks_table(
@@ -176,23 +176,23 @@ def checks_table(
 ) -> str:
     """Return checks, each with the words ``ok`` or ``OFF``."""
     columns = (
-        _Column(""),
-        _Column("check"),
-        _Column("declared", numeric=True),
-        _Column("tolerance"),
-        _Column("derived", numeric=True),
+        Column(""),
+        Column("check"),
+        Column("declared", numeric=True),
+        Column("tolerance"),
+        Column("derived", numeric=True),
     )
     rows = [
         (
-            _Cell("ok", "green") if one.ok else _Cell("OFF", "bold red"),
-            _Cell(one.name),
-            _Cell(one.declared),
-            _Cell(one.tolerance, "dim"),
-            _Cell(one.derived, "" if one.ok else "bold red"),
+            Cell("ok", "green") if one.ok else Cell("OFF", "bold red"),
+            Cell(one.name),
+            Cell(one.declared),
+            Cell(one.tolerance, "dim"),
+            Cell(one.derived, "" if one.ok else "bold red"),
         )
         for one in checks
     ]
-    return _table(columns, rows, colour=colour, width=width)
+    return text_table(columns, rows, colour=colour, width=width)
 
 
 def recordings_table(
@@ -200,32 +200,33 @@ def recordings_table(
 ) -> str:
     """Return recordings: how long, how fast, and what is in them."""
     columns = (
-        _Column("recording"),
-        _Column("samples", numeric=True),
-        _Column("duration", numeric=True),
-        _Column("step", numeric=True),
-        _Column("channels"),
+        Column("recording"),
+        Column("samples", numeric=True),
+        Column("duration", numeric=True),
+        Column("step", numeric=True),
+        Column("channels"),
     )
     rows = [
         (
-            _Cell(one.name),
-            _Cell(str(len(one.time))),
-            _Cell(NOTHING if one.steady else f"{number_words(one.duration)} s"),
-            _Cell(NOTHING if one.steady else f"{number_words(one.step, 3)} s"),
-            _Cell(", ".join(f"{c.name} [{_unit(c.unit)}]" for c in one.channels)),
+            Cell(one.name),
+            Cell(str(len(one.time))),
+            Cell(NOTHING if one.steady else f"{number_words(one.duration)} s"),
+            Cell(NOTHING if one.steady else f"{number_words(one.step, 3)} s"),
+            Cell(", ".join(f"{c.name} [{_unit(c.unit)}]" for c in one.channels)),
         )
         for one in recordings
     ]
-    return _table(columns, rows, colour=colour, width=width)
+    return text_table(columns, rows, colour=colour, width=width)
 
 
-def _table(
-    columns: Sequence[_Column],
-    rows: Iterable[Sequence[_Cell]],
+def text_table(
+    columns: Sequence[Column],
+    rows: Iterable[Sequence[Cell]],
     *,
     colour: bool,
     width: int | None,
 ) -> str:
+    """Return a table of plain cells under headings."""
     from rich import box  # noqa: PLC0415  (0.1 s, and only terminals need it)
     from rich.console import Console  # noqa: PLC0415
     from rich.table import Table  # noqa: PLC0415

@@ -21,6 +21,11 @@ MOST = 10
 PROMISES = 0.25
 """A partner that promises less of what the law leaves is none."""
 
+ALIKE = 1.1
+"""A law is not screened beside if a narrower one leaves at most so many times as much:
+what promises much beside the one does beside the other.
+"""
+
 
 @dataclass(frozen=True, slots=True)
 class Couple:
@@ -48,10 +53,11 @@ def couples(
         What the library proposes for the model without them.
     """
     known = {id(one.hypothesis) for one in singles}
+    screened = [one for one in singles if not _is_wider(one, singles)]
     others = [law for law in everything if id(law) not in known]
     wanted = [
         ((1.0 - promised.reduction) * single.cost, single, promised.hypothesis)
-        for single in singles
+        for single in screened
         for promised in promising_beside(beside[id(single)], single, others)
     ]
     best = sorted(wanted, key=itemgetter(0))[:MOST]
@@ -59,6 +65,15 @@ def couples(
     return [
         Couple(single, alone[id(law)]) for _, single, law in best if id(law) in alone
     ]
+
+
+def _is_wider(law: Candidate, others: Sequence[Candidate]) -> bool:
+    """Return whether one of the others is a part of the law and does about as much."""
+    return any(
+        law.hypothesis.contains(other.hypothesis) and other.cost <= ALIKE * law.cost
+        for other in others
+        if other is not law
+    )
 
 
 def promising_beside(
