@@ -62,7 +62,7 @@ def test_a_relation_far_from_every_law_is_told_as_a_curve():
 
 def test_a_law_that_comes_near_is_doubted_beside_a_curve():
     # A damper of a root of the speed, which dry friction comes near to.
-    found = said(lambda speed: 3.0 * np.sign(speed) * np.abs(speed) ** 0.15)
+    found = said(lambda speed: 3.0 * np.sign(speed) * np.abs(speed) ** 0.2)
     (rub,) = found.findings
     assert rub.physics == "coulomb_friction"
     assert rub.probability < 0.65
@@ -71,7 +71,7 @@ def test_a_law_that_comes_near_is_doubted_beside_a_curve():
 
 
 def test_a_curve_of_a_speed_leaves_no_other_law_of_that_speed_there():
-    found = said(lambda speed: 3.0 * np.sign(speed) * np.abs(speed) ** 0.2)
+    found = said(lambda speed: 3.0 * np.sign(speed) * np.abs(speed) ** 0.3)
     (curve,) = found.findings
     assert curve.physics == "unknown_relation"
     assert curve.probability > 0.8
@@ -150,8 +150,13 @@ def test_one_relation_is_likelier_than_three_laws_that_leave_as_much():
 
 
 def test_the_better_a_curve_the_less_need_a_law_leave():
-    first = judged(0.03, physics="saturation", place="bus")
-    for left, told in ((0.004, True), (0.009, False)):
+    # Friction of a real machine is not all dry, and is called so for all that.
+    for physics, left, told in (
+        ("saturation", 0.004, True),
+        ("saturation", 0.009, False),
+        ("coulomb_friction", 0.004, False),
+    ):
+        first = judged(0.03, physics=physics, place="bus")
         curve = judged(left, physics=CURVE, place="bus", complexity=6)
         rounds = [Round(None, judged=(first, curve), chosen=first)]
         assert better_curve(rounds, Rule()).is_told is told

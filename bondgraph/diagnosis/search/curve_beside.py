@@ -33,8 +33,8 @@ FAR_MORE = 3.0
 
 NOT_ALL = 0.05
 """... where they also leave this share of what the first model left, or as much less as
-the curve is better still: of a real machine dry friction explains most and not all, and
-is what its friction is called.
+the curve is better still. Not where dry friction is among them: of a real machine it
+explains most and not all, and is what its friction is called.
 """
 
 STILL_MORE, AS_MUCH = 2.0, 0.5
@@ -62,7 +62,7 @@ class BetterCurve:
     first_times, first_left
         The same of the law that was chosen in its place.
     laws
-        How many there are.
+        The physics of all that was found with a name.
     """
 
     index: int
@@ -72,19 +72,23 @@ class BetterCurve:
     left: float
     first_times: float
     first_left: float
-    laws: int
+    laws: tuple[str, ...]
 
     @property
     def is_told(self) -> bool:
         """Whether it is to be told in their place."""
-        then = _only_near(self.first_times, self.first_left)
-        enough = AS_MUCH if self.laws > 2 else STILL_MORE
-        return _only_near(self.times, self.left) or (then and self.times >= enough)
+        many = len(self.laws) > 2
+        rubs = not many and any(law.endswith("friction") for law in self.laws)
+        then = _only_near(self.first_times, self.first_left, rubs)
+        enough = AS_MUCH if many else STILL_MORE
+        now = _only_near(self.times, self.left, rubs)
+        return now or (then and self.times >= enough)
 
 
-def _only_near(times: float, left: float) -> bool:
+def _only_near(times: float, left: float, rubs: bool) -> bool:
     """Return whether what leaves so much, and so many times a curve, is no cause."""
-    return times >= FAR_MORE and left * times >= NOT_ALL * FAR_MORE
+    least = NOT_ALL if rubs else NOT_ALL * FAR_MORE / times
+    return times >= FAR_MORE and left >= least
 
 
 def better_curve(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
@@ -159,7 +163,7 @@ def _held_against(
         1.0 - explained(rounds),
         first_times=times if first is None else _times(first, curve),
         first_left=1.0 - explained(rounds[: index + 1]),
-        laws=len(accepted(rounds)),
+        laws=tuple(one.physics for one in _made(rounds)),
     )
 
 
