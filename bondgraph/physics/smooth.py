@@ -77,40 +77,41 @@ def smooth_curve(
 ) -> tuple[sympy.Expr, tuple[Coefficient, ...]]:
     """Return a smooth curve through divided knots, and its coefficients.
 
-    Its level and slope are those of the line that is nearest to it over the range:
-    where another law takes what is proportional, it takes that line. The curve goes on
-    straight beyond its ends. One that is odd bends at the divided knots of the side
-    that reaches further, and at their mirror images as much the other way.
+    Its level and slope are those of the line that is nearest, over the range, to all of
+    it but its jump: where another law takes what is proportional, it takes that line.
+    The curve goes on straight beyond its ends. One that is odd bends at the divided
+    knots of the side that reaches further, and at their mirror images as much the other
+    way.
     """
     odd = smooth.is_odd_over(first)
     knots = _divided(_one_way(first) if odd else first, smooth.pieces)
     lines, bends = (odd_parts if odd else parts)(knots)
     grid = np.linspace(knots[0], knots[-1], GRID)
     near = np.linalg.pinv(np.column_stack([line.curve(grid) for line in lines]))
-    rest, shaped = smooth.begin(np.array(knots), first), []
+    rest, own, terms = smooth.begin(np.array(knots), first), [], []
+    on_grid = smooth.begin(grid, first)
+
+    def free(part: Part, start: float, std: float = smooth.size) -> sympy.Symbol:
+        coefficient = place.strength(f"{stem}_{part.name}", unit)
+        parameter = replace(coefficient.parameter, std=std * part.share)
+        own.append(replace(coefficient, parameter=parameter, starts=(float(start),)))
+        return coefficient.symbol
+
     if edge := _edge(first):
         jump = Part("jump", partial(ramp, edge=edge), WEAKLY)
         back, there = smooth.begin(np.array([-edge, edge]), first)
         height = (there - back) / 2.0
         rest = rest - height * jump.curve(np.array(knots))
-        shaped.append((jump, height))
-    shaped += zip(bends, np.diff(np.diff(rest) / np.diff(knots)), strict=True)
-
-    def free(part: Part, start: float) -> Coefficient:
-        coefficient = place.strength(f"{stem}_{part.name}", unit)
-        std = smooth.size * part.share
-        std *= smooth.roughness if part in bends else 1.0
-        parameter = replace(coefficient.parameter, std=std)
-        return replace(coefficient, parameter=parameter, starts=(float(start),))
-
-    starts = near @ smooth.begin(grid, first)
-    own = [free(line, at) for line, at in zip(lines, starts, strict=True)]
-    terms = [one.symbol * line.curve(x) for one, line in zip(own, lines, strict=True)]
-    for part, start in shaped:
-        along = near @ part.curve(grid)
+        on_grid = on_grid - height * jump.curve(grid)
+        terms.append(free(jump, height) * jump.curve(x))
+    for line, start in zip(lines, near @ on_grid, strict=True):
+        terms.append(free(line, start) * line.curve(x))
+    changes = np.diff(np.diff(rest) / np.diff(knots))
+    for bend, change in zip(bends, changes, strict=True):
+        along = near @ bend.curve(grid)
         line = sum(float(c) * one.curve(x) for c, one in zip(along, lines, strict=True))
-        own.append(free(part, start))
-        terms.append(own[-1].symbol * (part.curve(x) - line))
+        symbol = free(bend, change, smooth.roughness * smooth.size)
+        terms.append(symbol * (bend.curve(x) - line))
     return sympy.Add(*terms), tuple(own)
 
 

@@ -22,7 +22,8 @@ from bondgraph.diagnosis.evidence.decision import (
 )
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, left_out_errors
 from bondgraph.diagnosis.records import Support
-from bondgraph.diagnosis.search.candidates import Candidate
+from bondgraph.diagnosis.search.candidates import CURVE, Candidate
+from bondgraph.diagnosis.search.curve_beside import FAR_MORE
 from bondgraph.diagnosis.search.removal import fitted_with
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel
@@ -34,7 +35,8 @@ ERRORS = 2.0
 
 HALF = 0.5
 """A law with more parameters takes the place of another only where it leaves at most
-this share of what that left beyond the noise.
+this share of what that left beyond the noise; a curve without a name only where it is
+as far ahead as one that is told in the place of all named laws.
 """
 
 
@@ -129,7 +131,9 @@ def _instead(
         return None  # The one sits on what the other has added.
     then, before = errors.of(fitted), errors.of(without)
     more = len(fitted.problem.free) > len(reached.current.problem.free)
-    if more and not then.beyond_noise <= HALF * now.beyond_noise:
+    unnamed = new.physics == CURVE and old.physics != CURVE
+    most = 1.0 / FAR_MORE if unnamed else HALF
+    if more and not then.beyond_noise <= most * now.beyond_noise:
         return None
 
     def judged(one: Hypothesis, made: FittedModel, left: LeftOutErrors) -> Judged:
