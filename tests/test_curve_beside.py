@@ -147,6 +147,11 @@ def test_one_relation_is_likelier_than_three_laws_that_leave_as_much():
     three_laws = [*rounds, replace(less, chosen=as_much)]
     assert better_curve(three_laws, Rule()) is None
     assert told_instead(three_laws, Rule()).curve is curve
+    # A machine that rubs, and has a ripple and a spring besides, keeps their names.
+    rubs = judged(0.04, physics="coulomb_friction", place="shaft")
+    assert not told_instead(
+        [Round(None, judged=(rubs, curve), chosen=rubs), *three_laws[1:]], Rule()
+    )
 
 
 def test_the_better_a_curve_the_less_need_a_law_leave():

@@ -537,8 +537,9 @@ def test_a_unit_that_would_convert_and_does_not_is_told():
     (note,) = bound.notes
     assert "load" in note
     assert "[g]" in note
-    coherent = bind(drive(load=(TIME, "kg")), {}, {"load": "1"}, unchecked={"load"})
-    assert coherent.notes == ()
+    for unit in ("kg", "px", "Hz*deg"):  # the last is no unit of anything
+        taken = bind(drive(load=(TIME, unit)), {}, {"load": "1"}, unchecked={"load"})
+        assert taken.notes == ()
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from bondgraph.recordings.channel import Channel, FloatArray, read_only
 from bondgraph.recordings.names import join_header
 from bondgraph.recordings.reading import read_recording
 from bondgraph.recordings.recording import Recording, as_index, part_range
-from bondgraph.structure.units import conversion, si_unit
+from bondgraph.structure.units import conversion, is_coherent
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -158,11 +158,10 @@ def _not_converted(
 ) -> Iterator[str]:
     """Yield a sentence for each channel whose unit would convert, and does not."""
     for name in found:
-        unit = found[name].unit
-        if name in unchecked and conversion(unit, si_unit(unit)) != (1.0, 0.0):
+        if name in unchecked and not is_coherent(found[name].unit):
             yield (
-                f"{name} goes in as the number of [{unit}] that the file has: the "
-                "domain analogue has no unit to convert it to."
+                f"{name} goes in as the number of [{found[name].unit}] that the file "
+                "has: the domain analogue has no unit to convert it to."
             )
 
 

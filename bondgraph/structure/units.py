@@ -122,3 +122,11 @@ def si_unit(unit: str) -> str:
         return unit
     base = _registry().Quantity(1.0, parsed).to_base_units().units
     return "1" if base.dimensionless else f"{base:~C}".replace("**", "^")
+
+
+def is_coherent(unit: str) -> bool:
+    """Return whether SI would write the same number; also of a unit nobody knows."""
+    try:
+        return conversion(unit, si_unit(unit)) == (1.0, 0.0)
+    except UnitError:
+        return True

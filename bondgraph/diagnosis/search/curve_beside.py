@@ -21,9 +21,15 @@ from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.bench import Bench
 from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.diagnosis.search.finer import as_fine_as_told
-from bondgraph.diagnosis.search.round_found import Round, accepted
+from bondgraph.diagnosis.search.round_found import Round, made_in
 from bondgraph.diagnosis.search.together import explained
 from bondgraph.diagnosis.work.workers import Workshop
+from bondgraph.physics.friction import (
+    CoulombFriction,
+    DirectionDependentFriction,
+    StribeckFriction,
+)
+from bondgraph.physics.load import LoadDependentFriction
 
 LEAVES_MORE = 1.5
 """Named laws that leave so many times what a curve leaves come near at most."""
@@ -33,9 +39,14 @@ FAR_MORE = 3.0
 
 NOT_ALL = 0.05
 """... where they also leave this share of what the first model left, or as much less as
-the curve is better still. Not where dry friction is among them: of a real machine it
-explains most and not all, and is what its friction is called.
+the curve is better still. Not where dry friction was found by then: of a real machine
+it explains most and not all, and is what its friction is called.
 """
+
+DRY = frozenset({
+    CoulombFriction.word, DirectionDependentFriction.word, StribeckFriction.word,
+    LoadDependentFriction.word,
+})  # fmt: skip
 
 STILL_MORE, AS_MUCH = 2.0, 0.5
 """Where the first law was so, others only mend its shape: a second that still leaves so
@@ -61,8 +72,10 @@ class BetterCurve:
         The share of the first model's error that these leave.
     first_times, first_left
         The same of the law that was chosen in its place.
+    rubs
+        Whether dry friction had been found by then.
     laws
-        The physics of all that was found with a name.
+        How many have a name.
     """
 
     index: int
@@ -72,23 +85,21 @@ class BetterCurve:
     left: float
     first_times: float
     first_left: float
-    laws: tuple[str, ...]
+    rubs: bool
+    laws: int
 
     @property
     def is_told(self) -> bool:
         """Whether it is to be told in their place."""
-        many = len(self.laws) > 2
-        rubs = not many and any(law.endswith("friction") for law in self.laws)
-        then = _only_near(self.first_times, self.first_left, rubs)
-        enough = AS_MUCH if many else STILL_MORE
-        now = _only_near(self.times, self.left, rubs)
+        then = self._only_near(self.first_times, self.first_left)
+        enough = AS_MUCH if self.laws > 2 else STILL_MORE
+        now = self._only_near(self.times, self.left)
         return now or (then and self.times >= enough)
 
-
-def _only_near(times: float, left: float, rubs: bool) -> bool:
-    """Return whether what leaves so much, and so many times a curve, is no cause."""
-    least = NOT_ALL if rubs else NOT_ALL * FAR_MORE / times
-    return times >= FAR_MORE and left >= least
+    def _only_near(self, times: float, left: float) -> bool:
+        """Return whether a law that leaves so much only comes near to the cause."""
+        least = NOT_ALL if self.rubs else NOT_ALL * FAR_MORE / times
+        return times >= FAR_MORE and left >= least
 
 
 def better_curve(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
@@ -113,7 +124,7 @@ def told_instead(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
     better = better_curve(rounds, rule)
     if better is not None and better.is_told:
         return better
-    if len(_made(rounds)) > 2:
+    if len(made_in(rounds)) > 2:
         told = [one for one in _curves_beside(rounds) if one.is_told]
         return min(told, key=lambda one: one.index, default=None)
     return None
@@ -124,7 +135,7 @@ def _curves_beside(rounds: Sequence[Round]) -> list[BetterCurve]:
 
     None where a curve was found itself.
     """
-    made = _made(rounds)
+    made = made_in(rounds)
     drawn = {one.place for one in made if one.physics == CURVE}
     places = {one.place for one in made} - drawn
     curves = [
@@ -144,17 +155,12 @@ def _curves_beside(rounds: Sequence[Round]) -> list[BetterCurve]:
     ]
 
 
-def _made(rounds: Sequence[Round]) -> list[Judged]:
-    """Return what was chosen and kept, in order."""
-    return [one.chosen for one in accepted(rounds) if one.chosen is not None]
-
-
 def _held_against(
     named: Judged, rounds: Sequence[Round], index: int, curve: Judged
 ) -> BetterCurve:
     """Return a curve held against all that was found with a name."""
     times = _times(named, curve)
-    first = rounds[index].chosen
+    first, until = rounds[index].chosen, rounds[: index + 1]
     return BetterCurve(
         index,
         curve,
@@ -162,8 +168,9 @@ def _held_against(
         times,
         1.0 - explained(rounds),
         first_times=times if first is None else _times(first, curve),
-        first_left=1.0 - explained(rounds[: index + 1]),
-        laws=tuple(one.physics for one in _made(rounds)),
+        first_left=1.0 - explained(until),
+        rubs=any(one.physics in DRY for one in made_in(until)),
+        laws=len(made_in(rounds)),
     )
 
 

@@ -76,6 +76,8 @@ def _as_rough_as_told(bench: Bench, first: _Drawing, odd: bool) -> _Drawing | No
     best, start = None, first.candidate
     for roughness in ROUGHNESS:
         found = _drawn(bench, first.candidate, start, roughness, odd)
+        if found is None and odd:
+            break  # No roughness makes a curve go both ways.
         if found is None:
             continue
         drawn = _Drawing(found, len(first.errors.chunks))

@@ -79,7 +79,12 @@ def supported_in(rounds: Sequence[Round]) -> frozenset[tuple[str, ...]]:
     )
 
 
+def made_in(rounds: Sequence[Round]) -> list[Judged]:
+    """Return what was accepted as it was judged, in the order of the rounds."""
+    kept = (found.chosen for found in accepted(rounds))
+    return [chosen for chosen in kept if chosen is not None]
+
+
 def chosen_in(rounds: Sequence[Round]) -> list[Candidate]:
     """Return what was accepted, in the order of the rounds."""
-    kept = (found.chosen for found in accepted(rounds))
-    return [chosen.candidate for chosen in kept if chosen is not None]
+    return [chosen.candidate for chosen in made_in(rounds)]
