@@ -293,6 +293,30 @@ def test_a_law_that_was_found_is_not_told_as_left_aside_in_another_form():
     assert notes == ("A hardening spring at arm was left aside: not determined",)
 
 
+def test_a_law_that_was_chosen_again_is_not_told_as_taken_out():
+    def law(place):
+        return SimpleNamespace(
+            physics="lag", place=place, contains=lambda other: False, parameters=()
+        )
+
+    def chose(place):
+        hypothesis = law(place)
+        chosen = SimpleNamespace(
+            physics="lag",
+            place=place,
+            candidate=SimpleNamespace(hypothesis=hypothesis),
+        )
+        return Round(SimpleNamespace(), judged=(chosen,), chosen=chosen), hypothesis
+
+    (first, lag), (other, elsewhere), (again, _) = map(chose, ("x", "y", "x"))
+    again = replace(again, removed=(lag,))
+    fit = SimpleNamespace(unidentifiable=())
+    assert notes_on([first, again], fit, Options()) == ()
+    again = replace(again, removed=(elsewhere,))
+    (note,) = notes_on([other, again], fit, Options())
+    assert note.startswith("Lag at y was added first and taken out again")
+
+
 def test_laws_left_aside_for_one_reason_are_told_together():
     def aside(physics, place, reason):
         law = SimpleNamespace(physics=physics, place=place)

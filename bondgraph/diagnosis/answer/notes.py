@@ -9,7 +9,7 @@ from bondgraph.diagnosis.answer.evidence_shown import wider_than_chosen
 from bondgraph.diagnosis.answer.wording import listed, name_of
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.round_found import Round
+from bondgraph.diagnosis.search.round_found import Round, made_in
 from bondgraph.diagnosis.work.limit import OUT_OF_TIME
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.result import FitResult
@@ -33,11 +33,13 @@ def notes_on(
             "limit says; laws that were not tried may explain more or better."
             + (kept if options.resume else "")
         )
+    stands = {(one.physics, one.place) for one in made_in(rounds)}
     for found in rounds:
         notes += [
             f"{_sentence_start(h)} was added first and taken out again: beside what "
             "was added later it does not predict left-out data better."
             for h in found.removed
+            if (h.physics, h.place) not in stands  # chosen again: it is a finding
         ]
         for judged in wider_than_chosen(found, options):
             assert found.chosen is not None
