@@ -64,10 +64,10 @@ def test_a_parameter_at_its_bound_is_told(told):
     assert "mass ended at its bound of 1.95 kg" in said
 
 
-def test_an_input_in_steps_that_is_joined_by_lines_is_told(told):
-    assert "--hold zero holds them" in told(10.0, 25)
-    assert "--hold zero holds them" not in told(10.0, 25, "--hold", "zero")
-    assert "--hold zero holds them" not in told(10.0, 1)
+def test_what_inputs_do_between_samples_is_chosen_and_told(told):
+    assert "held between samples, as fits better (--hold zero)" in told(10.0, 25)
+    said = told(10.0, 25, "--hold", "first")
+    assert "between samples" not in said
 
 
 def test_windows_do_not_hide_what_whole_recordings_are_missed_by(told):

@@ -10,9 +10,9 @@ from bondgraph import BondGraph, C, I, R, Recording, Se, Sf, bind_to, flow
 from bondgraph.diagnosis.answer.untried import unread_inputs, untried
 from bondgraph.diagnosis.answer.wording import hedged
 from bondgraph.diagnosis.records import Verdict
-from bondgraph.diagnosis.search.between_samples import fitted_either_way
 from bondgraph.diagnosis.search.considered import promising
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.fitting.either_hold import fitted_either_way
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.places.everywhere import all_places

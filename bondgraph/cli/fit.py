@@ -5,8 +5,14 @@ from collections.abc import Sequence
 import click
 
 from bondgraph.cli.command import Command, json_option
-from bondgraph.cli.fit_answer import answer_json, intervals, known, profile_words
-from bondgraph.cli.fit_options import estimation_options, fit_options, hint_at_steps
+from bondgraph.cli.fit_answer import (
+    answer_json,
+    hold_words,
+    intervals,
+    known,
+    profile_words,
+)
+from bondgraph.cli.fit_options import estimation_options, fit_options
 from bondgraph.cli.inputs import (
     model_argument,
     read_model,
@@ -17,6 +23,7 @@ from bondgraph.cli.reading_options import Reading, recording_options
 from bondgraph.cli.session import Session
 from bondgraph.cli.terminal import table_style
 from bondgraph.errors import FitError
+from bondgraph.fitting.either_hold import fitted_either_way
 from bondgraph.fitting.estimate import FitSettings, fit_model, report
 from bondgraph.fitting.fine_steps import told_finely
 from bondgraph.fitting.fitted import FittedModel
@@ -53,7 +60,7 @@ from bondgraph.reporting.tables import INTERVAL, estimates_table
     multiple=True,
     help="How far this parameter can move while the others follow; may be repeated.",
 )
-@fit_options(window="auto")
+@fit_options(window="auto", either=True)
 @estimation_options
 @recording_options
 @json_option
@@ -68,6 +75,7 @@ def command(
     output: str | None,
     profiled: tuple[str, ...],
     settings: FitSettings,
+    either_hold: bool,
     reading: Reading,
     json_file: str | None,
 ) -> int:
@@ -80,7 +88,8 @@ def command(
     bound = read_recordings(recordings, graph, reading)
     with session.progress(loops=True) as progress:
         progress(f"fitting {graph.name}")
-        fitted = told_finely(fit_model(graph, bound, settings))
+        fit = fitted_either_way if either_hold else fit_model
+        fitted = told_finely(fit(graph, bound, settings))
         result = report(fitted, graph, bound)
         whole = _over_whole_recordings(fitted, result, bound)
     if result.status is FitStatus.SIMULATION_FAILED:
@@ -99,7 +108,8 @@ def command(
         session.say(ends)
         session.say()
     session.say("\n".join(known(result, whole, graph, bound)))
-    hint_at_steps(session, settings, bound)
+    if either_hold:
+        session.say("\n".join(hold_words(fitted)))
     if result.unidentifiable:
         session.hint(
             "What is known of a parameter beforehand may be said in the model: "
@@ -114,7 +124,9 @@ def command(
         session.say(profile_words(one))
     if output is not None:
         session.write(output, to_python(result.model))
-    session.deliver(json_file, answer_json(result, whole, profiles))
+    session.deliver(
+        json_file, answer_json(result, whole, profiles, hold=fitted.problem.hold)
+    )
     return 0 if result.status is FitStatus.CONVERGED else 1
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from bondgraph.fitting.fitted import FittedModel
 from bondgraph.fitting.identifiability import identifiability
 from bondgraph.fitting.profile import Profile
 from bondgraph.fitting.result import FitResult, Score
@@ -16,6 +17,7 @@ from bondgraph.reporting.wording import (
     unit_words,
     with_unit,
 )
+from bondgraph.simulation.solvers import Hold
 from bondgraph.structure.graph import FinishedGraph
 
 
@@ -59,6 +61,14 @@ def known(
         yield error.status.value
 
 
+def hold_words(fitted: FittedModel) -> Iterator[str]:
+    """Yield what its inputs were taken to do between samples, where it has any."""
+    if fitted.problem.model.input_names and fitted.problem.model.n_states:
+        way = fitted.problem.hold
+        option = "--hold " + ("zero" if way is Hold.ZERO else "first")
+        yield f"Inputs are {way.value} between samples, as fits better ({option})."
+
+
 def profile_words(one: Profile) -> str:
     """Return a profile in one line, an open end as such."""
     low, high = (
@@ -91,7 +101,11 @@ def _score_words(stretch: str, score: Score, units: Mapping[str, str]) -> str:
 
 
 def answer_json(
-    result: FitResult, whole: Score | None, profiles: Sequence[Profile]
+    result: FitResult,
+    whole: Score | None,
+    profiles: Sequence[Profile],
+    *,
+    hold: Hold,
 ) -> dict[str, object]:
     """Return the answer as plain values; `whole` is None where it fits no windows."""
     return {
@@ -129,6 +143,7 @@ def answer_json(
         },
         "iterations": result.iterations,
         "window": json_value(result.window),
+        "inputs": hold.value,
         "model": to_python(result.model),
     }
 

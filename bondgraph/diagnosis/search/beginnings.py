@@ -12,11 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.search.between_samples import finely_stepped, fitted_either_way
+from bondgraph.diagnosis.search.between_samples import finely_stepped
 from bondgraph.diagnosis.search.horizons import sharpened
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.runaway import run_away
 from bondgraph.errors import FitError
+from bondgraph.fitting.either_hold import fitted_either_way
 from bondgraph.fitting.estimate import FitSettings, FittedModel, fit_model
 from bondgraph.fitting.horizon import Automatic, WholeRecordings
 from bondgraph.recordings.binding import BoundRecording

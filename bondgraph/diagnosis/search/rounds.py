@@ -13,10 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE
-from bondgraph.diagnosis.search.between_samples import (
-    finely_stepped,
-    held_as_fits,
-)
+from bondgraph.diagnosis.search.between_samples import finely_stepped
 from bondgraph.diagnosis.search.beyond_noise import left_beside, within
 from bondgraph.diagnosis.search.considered import Setting
 from bondgraph.diagnosis.search.curve_beside import told_instead, with_curve
@@ -33,6 +30,7 @@ from bondgraph.diagnosis.search.round_found import (
     supported_in,
 )
 from bondgraph.diagnosis.work.workers import Workshop
+from bondgraph.fitting.either_hold import held_as_fits
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.fine_steps import simulated_as
 from bondgraph.physics.hypothesis import Hypothesis

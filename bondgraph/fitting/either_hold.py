@@ -1,0 +1,51 @@
+"""Inputs between samples, held or joined by lines: as fits the model better.
+
+Which of the two it is few recordings say. Half a sample of delay would else be found as
+physics.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from bondgraph.fitting.estimate import fit_model
+from bondgraph.fitting.fine_steps import simulated_as
+from bondgraph.fitting.fitted import FittedModel
+from bondgraph.fitting.settings import FitSettings
+from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.commands import go_in_steps
+from bondgraph.simulation.solvers import Hold
+from bondgraph.structure.graph import FinishedGraph
+
+FITS_BETTER = 0.98
+"""The other way inputs can behave must leave less than this share of the error."""
+
+
+def fitted_either_way(
+    graph: FinishedGraph, recordings: Sequence[BoundRecording], settings: FitSettings
+) -> FittedModel:
+    """Return the model fitted with inputs joined by lines or held, as fits better.
+
+    Where both fit alike, held if they stay the same from most samples to the next: so
+    does a command that goes in steps.
+    """
+    if go_in_steps(recordings):
+        settings = replace(settings, hold=Hold.ZERO)
+    own = fit_model(graph, recordings, settings)
+    if not own.problem.model.input_names or not own.problem.model.n_states:
+        return own
+    other = Hold.ZERO if settings.hold is Hold.FIRST else Hold.FIRST
+    changed = replace(settings, hold=other)
+    rival = fit_model(graph, recordings, changed, sigma=own.problem.sigma)
+    return rival if rival.optimum.cost < FITS_BETTER * own.optimum.cost else own
+
+
+def held_as_fits(fitted: FittedModel) -> FittedModel:
+    """Return the model with inputs held or joined, as fits better from where it is.
+
+    What a base model leaves hides a difference that shows once it has been explained.
+    """
+    if not fitted.problem.model.input_names or not fitted.problem.model.n_states:
+        return fitted
+    other = Hold.ZERO if fitted.problem.hold is Hold.FIRST else Hold.FIRST
+    rival = simulated_as(fitted, fitted.problem.solver, other)
+    return rival if rival.optimum.cost < FITS_BETTER * fitted.optimum.cost else fitted
