@@ -20,9 +20,10 @@ SEED_SETS = {
     "final_3": 93_607,
     "final_4": 104_729,
     "final_5": 115_249,
+    "final_6": 126_851,
 }
 """Final ones are opened once: `final` in the first report, `final_2` in the second,
-`final_3` in the third, `final_4` in the fourth, `final_5` in the fifth.
+`final_3` in the third, `final_4` in the fourth, `final_5` in the fifth, and so on.
 """
 STRENGTHS = (0.5, 2.0, 6.0, 12.0, 40.0, 150.0)
 """Wanted residual over noise; from far below what can be seen to dominant."""
