@@ -130,7 +130,7 @@ def test_a_law_outside_the_library_is_told_as_a_curve():
     library = tuple(
         physics for physics in Options().library if physics.word == "unknown_relation"
     )
-    training, other = recorded(1, coulomb=1.0), recorded(2, coulomb=1.0)
+    training, other = (recorded(seed, coulomb=1.0, duration=4.0) for seed in (1, 2))
     diagnosis = diagnose(
         free_cart(), [training], held_out=[other], options=Options(library=library)
     )

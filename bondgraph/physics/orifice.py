@@ -104,6 +104,11 @@ class Overflow(AbstractPhysics):
     )
     domains = FLUID
     shares = (0.5, 0.65, 0.8, 0.9)
+    steepest = 100.0
+    """Typical flows over an edge, where the effort is twice as high as it usually is.
+
+    What is steeper is a step, and which step nothing tells: its slope would run away.
+    """
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at 0-junctions: proportional, as a weir, and into the next."""
@@ -125,7 +130,13 @@ class Overflow(AbstractPhysics):
         # An edge below all that was ever there is none: what flows over it all the
         # time is a leak, or a bias.
         edge = place.shape("overflow_level", place.unit(E), levels * 2, low=bottom)
-        k = place.strength("overflow", place.unit(F), none + some, low=0.0)
+        k = place.strength(
+            "overflow",
+            place.unit(F),
+            none + some,
+            low=0.0,
+            high=self.steepest * place.flow,
+        )
         size = place.constant("overflow_effort", place.unit(E), place.effort)
         law = k.symbol * sympy.Max((e - edge.symbol) / size.symbol, 0) ** power
         name = place.name_of("overflow")
@@ -154,6 +165,7 @@ class Clamp(Overflow):
     reference = "clamping diode, piecewise linear"
     signature = "a voltage that stays at a ceiling; taken for a saturated sensor"
     domains = frozenset({ELECTRICAL})
+    steepest = 1e4
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at 0-junctions."""
