@@ -22,9 +22,9 @@ from bondgraph import (
 from bondgraph.diagnosis.adequacy.adequacy import adequacy
 from bondgraph.diagnosis.adequacy.records import AdequacyStatus
 from bondgraph.diagnosis.answer.nothing_found import TRACE
-from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.candidates import Promised, propose_all
-from bondgraph.diagnosis.search.pairs import Pairing
+from bondgraph.diagnosis.candidates import Promised, propose_all
+from bondgraph.diagnosis.search.pairs.pairs import Pairing
+from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import fit_model

@@ -8,17 +8,17 @@ from judged_candidates import judged
 from rubbing_slider import proposed, slider
 
 from bondgraph import Recording, bind_to, diagnose
+from bondgraph.diagnosis.candidates import CURVE, Candidate
 from bondgraph.diagnosis.evidence.decision import Rule
-from bondgraph.diagnosis.evidence.judging import Verdicts, judge_all
 from bondgraph.diagnosis.records import Verdict
-from bondgraph.diagnosis.search import curve_beside
-from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.candidates import CURVE, Candidate
-from bondgraph.diagnosis.search.curve_beside import better_curve, told_instead
-from bondgraph.diagnosis.search.curve_from_law import with_curve_drawn
+from bondgraph.diagnosis.search.laws.curve_from_law import with_curve_drawn
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.diagnosis.search.revising import curve_beside
+from bondgraph.diagnosis.search.revising.curve_beside import better_curve, told_instead
+from bondgraph.diagnosis.search.revising.removal import fitted_with
 from bondgraph.diagnosis.search.round_found import Round
+from bondgraph.diagnosis.search.trials.bench import Bench
+from bondgraph.diagnosis.search.trials.judging import Verdicts, judge_all
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model

@@ -15,7 +15,7 @@ import pytest
 from bondgraph.diagnosis.evidence.confidence import winning_shares
 from bondgraph.diagnosis.evidence.gain import compare
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
-from bondgraph.diagnosis.search.screening import effective_number
+from bondgraph.diagnosis.search.trials.screening import effective_number
 from bondgraph.diagnosis.work import workers
 from bondgraph.diagnosis.work.journal import FILE, Journal, fingerprint
 from bondgraph.diagnosis.work.limit import OUT_OF_TIME, Limit

@@ -19,6 +19,7 @@ from scipy import stats
 from scipy.signal import lfilter
 
 from bondgraph import BondGraph, C, Recording, Sf, bind_to
+from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence import left_out
 from bondgraph.diagnosis.evidence.confidence import beyond_resampling, winning_shares
 from bondgraph.diagnosis.evidence.decision import (
@@ -37,7 +38,6 @@ from bondgraph.diagnosis.evidence.gain import (
     beside_earlier,
     compare,
 )
-from bondgraph.diagnosis.evidence.judging import decide
 from bondgraph.diagnosis.evidence.left_out import (
     FOLDS,
     LeftOutErrors,
@@ -47,7 +47,7 @@ from bondgraph.diagnosis.evidence.left_out import (
 )
 from bondgraph.diagnosis.evidence.surprise import LOST, surprise
 from bondgraph.diagnosis.records import Support
-from bondgraph.diagnosis.search.candidates import CURVE
+from bondgraph.diagnosis.search.trials.judging import decide
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.fitting.horizon import SHORTEST, Windows
 

@@ -14,12 +14,12 @@ from test_experiment import alternatives
 from bondgraph import read_recording
 from bondgraph.diagnosis.answer.look_alikes import look_alikes
 from bondgraph.diagnosis.answer.separating import Rivalry, designed, left_close
+from bondgraph.diagnosis.candidates import Candidate, propose_all
 from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.evidence.gain import Gain
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support, Verdict
-from bondgraph.diagnosis.search.candidates import Candidate, propose_all
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.fitting.horizon import Windows

@@ -22,7 +22,7 @@ from bondgraph import (
     f,
     fit,
 )
-from bondgraph.diagnosis.search import horizons
+from bondgraph.diagnosis.search.base import horizons
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.fitting.estimate import fit_model
 from bondgraph.fitting.horizon import cut

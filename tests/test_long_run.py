@@ -5,8 +5,8 @@ import pytest
 import sympy
 
 from bondgraph import BondGraph, C, I, R, Recording, Se, Sf, Windows, bind_to, q
-from bondgraph.diagnosis.answer.leftover import noise_floor
 from bondgraph.diagnosis.answer.long_run import off_in_the_long_run
+from bondgraph.diagnosis.evidence.leftover import noise_floor
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.simulation.solvers import Hold
 

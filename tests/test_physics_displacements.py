@@ -5,7 +5,7 @@ import pytest
 
 from bondgraph import BondGraph, I, R, Recording, Se, bind_to, displacement
 from bondgraph.diagnosis.probing import measure_scales
-from bondgraph.diagnosis.search.trying import Trial, fit_briefly
+from bondgraph.diagnosis.search.trials.trying import Trial, fit_briefly
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.fitting.horizon import Windows
 from bondgraph.physics.library import LIBRARY

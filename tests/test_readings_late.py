@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from bondgraph import BondGraph, C, I, R, Recording, Se, Sf, bind_to, diagnose
-from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.candidates import propose_all
+from bondgraph.diagnosis.candidates import propose_all
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.screening import screen
+from bondgraph.diagnosis.search.trials.bench import Bench
+from bondgraph.diagnosis.search.trials.screening import screen
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model

@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lfilter
 
 from bondgraph import BondGraph, I, R, Recording, Se, bind_to
-from bondgraph.diagnosis.search.between_samples import finely_stepped
+from bondgraph.diagnosis.search.base.between_samples import finely_stepped
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.fitting.fine_steps import told_finely
 from bondgraph.simulation.solvers import Hold, Sdirk2

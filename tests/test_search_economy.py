@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from bondgraph import BondGraph, I, R, Recording, Se, bind_to
+from bondgraph.diagnosis.candidates import Promised
 from bondgraph.diagnosis.probing import measure_scales
-from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.candidates import Promised
-from bondgraph.diagnosis.search.fits import fit_best
-from bondgraph.diagnosis.search.posing import coarse
-from bondgraph.diagnosis.search.steps import coarser
+from bondgraph.diagnosis.search.base.steps import coarser
+from bondgraph.diagnosis.search.laws.fits import fit_best
+from bondgraph.diagnosis.search.trials.bench import Bench
+from bondgraph.diagnosis.search.trials.posing import coarse
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model

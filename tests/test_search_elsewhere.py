@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from test_search_vanished import SWING, bench, fitted, proposed
 
-from bondgraph.diagnosis.search.elsewhere import begun_elsewhere
+from bondgraph.diagnosis.search.laws.elsewhere import begun_elsewhere
 from bondgraph.physics.drag import QuadraticDrag
 from bondgraph.physics.modes import FlexibleMode
 

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from bondgraph import BondGraph, R, Recording, Sf, bind_to
-from bondgraph.diagnosis.answer.doubt import remaining
 from bondgraph.diagnosis.answer.found import nearest
+from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.evidence.decision import Rule, judge
 from bondgraph.diagnosis.evidence.left_out import chunk_count, left_out_errors
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.records import Support
-from bondgraph.diagnosis.search.candidates import Candidate
-from bondgraph.diagnosis.search.exchange import Reached, exchanged
-from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.diagnosis.search.remaining import remaining
+from bondgraph.diagnosis.search.revising.exchange import Reached, exchanged
+from bondgraph.diagnosis.search.revising.removal import fitted_with
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.drag import QuadraticDrag, SpeedLimit

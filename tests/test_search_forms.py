@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from bondgraph import BondGraph, I, R, Recording, Se, bind_to
+from bondgraph.diagnosis.candidates import Promised
 from bondgraph.diagnosis.probing import measure_scales
-from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.candidates import Promised
 from bondgraph.diagnosis.search.considered import Setting, considered
-from bondgraph.diagnosis.search.fits import fit_remembering, fit_whatever
+from bondgraph.diagnosis.search.laws.fits import fit_remembering, fit_whatever
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.screening import STARTS, screen
+from bondgraph.diagnosis.search.trials.bench import Bench
+from bondgraph.diagnosis.search.trials.screening import STARTS, screen
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model

@@ -7,11 +7,11 @@ import pytest
 from rubbing_slider import proposed, slider
 
 from bondgraph import Recording, bind_to
-from bondgraph.diagnosis.search import hollow
-from bondgraph.diagnosis.search.candidates import Candidate
-from bondgraph.diagnosis.search.hollow import ends_as_nothing, without_hollow
+from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.diagnosis.search.revising import hollow
+from bondgraph.diagnosis.search.revising.hollow import ends_as_nothing, without_hollow
+from bondgraph.diagnosis.search.revising.removal import fitted_with
 from bondgraph.diagnosis.search.round_found import Round, accepted
 from bondgraph.diagnosis.work.limit import Limit
 from bondgraph.fitting.estimate import FitSettings, fit_model

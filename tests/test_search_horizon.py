@@ -5,7 +5,7 @@ import pytest
 import sympy
 
 from bondgraph import BondGraph, C, I, R, Recording, Se, Sf, bind_to, effort, q
-from bondgraph.diagnosis.search.horizons import search_settings
+from bondgraph.diagnosis.search.base.horizons import search_settings
 from bondgraph.fitting.automatic import grows
 from bondgraph.fitting.estimate import FitSettings, prepare
 from bondgraph.fitting.horizon import WholeRecordings, Windows

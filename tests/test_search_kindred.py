@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from bondgraph import BondGraph, C, I, R, Recording, Se, Sf, bind_to
-from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.candidates import propose_all
-from bondgraph.diagnosis.search.kindred import Kindreds, as_one, kindred
-from bondgraph.diagnosis.search.pairs import Pairing
+from bondgraph.diagnosis.candidates import propose_all
+from bondgraph.diagnosis.search.pairs.kindred import Kindreds, as_one, kindred
+from bondgraph.diagnosis.search.pairs.pairs import Pairing
+from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model

@@ -11,11 +11,12 @@ from carts import free_cart
 from bondgraph import BondGraph, C, R, Recording, Se, Sf, bind_to, effort
 from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.records import Verdict
-from bondgraph.diagnosis.search import looks, one_round, trying
-from bondgraph.diagnosis.search.beginnings import Known
+from bondgraph.diagnosis.search import looks, one_round
+from bondgraph.diagnosis.search.base.beginnings import Known
+from bondgraph.diagnosis.search.base.runaway import run_away
 from bondgraph.diagnosis.search.looks import Look
 from bondgraph.diagnosis.search.round_found import Round
-from bondgraph.diagnosis.search.runaway import run_away
+from bondgraph.diagnosis.search.trials import trying
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.fitting.horizon import Automatic, WholeRecordings, Windows
 from bondgraph.physics.library import LIBRARY

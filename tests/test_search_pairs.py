@@ -12,9 +12,9 @@ from bondgraph import Recording, bind_to, diagnose
 from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.evidence.gain import Gain
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
-from bondgraph.diagnosis.evidence.two import each_needed, half_of
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.pairs.two import each_needed, half_of
 from bondgraph.physics.drag import QuadraticDrag
 from bondgraph.physics.friction import CoulombFriction
 

@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from bondgraph.diagnosis.search import partners
-from bondgraph.diagnosis.search.partners import couples
+from bondgraph.diagnosis.search.pairs import partners
+from bondgraph.diagnosis.search.pairs.partners import couples
 
 WIDER = {"stribeck": "coulomb"}
 

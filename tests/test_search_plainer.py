@@ -9,16 +9,16 @@ from rubbing_slider import proposed, slider
 
 from bondgraph import Recording, bind_to
 from bondgraph.diagnosis.answer.notes import notes_on
+from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.evidence import addition
 from bondgraph.diagnosis.evidence.addition import LEFT_OPEN, NOTHING, seen_again
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.evidence.gain import Gain
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
-from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.plainer import without_needless_parts
-from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.diagnosis.search.revising.plainer import without_needless_parts
+from bondgraph.diagnosis.search.revising.removal import fitted_with
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.diagnosis.work.limit import Limit
 from bondgraph.fitting.estimate import FitSettings, fit_model

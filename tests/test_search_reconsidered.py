@@ -9,7 +9,7 @@ from test_search_exchange import added, car, driven, judged_beside, proposed, ro
 from bondgraph import Recording, bind_to
 from bondgraph.diagnosis.evidence.gain import Gain
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.reconsidered import LITTLE, reconsidered
+from bondgraph.diagnosis.search.revising.reconsidered import LITTLE, reconsidered
 from bondgraph.diagnosis.search.round_found import Round, accepted, shares_of
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
@@ -80,7 +80,7 @@ def test_a_fit_that_comes_less_far_says_how_sure_the_same_law_is(
     rounds, drag = searched(QuadraticDrag(), gain=0.5)
     unsure = [replace(rounds[0], probability=0.2), *rounds[1:]]
     monkeypatch.setattr(
-        "bondgraph.diagnosis.search.reconsidered.as_good", lambda *_: False
+        "bondgraph.diagnosis.search.revising.reconsidered.as_good", lambda *_: False
     )
     *_, again, last = choose_again(unsure)
     assert (again.chosen.physics, again.removed) == ("quadratic_drag", (drag,))
@@ -93,7 +93,7 @@ def test_another_law_that_fits_less_well_does_not_take_the_place(
 ):
     rounds, _ = searched(SpeedLimit(), gain=0.2)
     monkeypatch.setattr(
-        "bondgraph.diagnosis.search.reconsidered.as_good", lambda *_: False
+        "bondgraph.diagnosis.search.revising.reconsidered.as_good", lambda *_: False
     )
     assert choose_again(rounds) == rounds
 

@@ -7,8 +7,8 @@ import pytest
 import sympy
 
 from bondgraph import BondGraph, C, I, R, Se
-from bondgraph.diagnosis.search.removal import gone_from
-from bondgraph.diagnosis.search.trying import UNSOLVED, _or_refused
+from bondgraph.diagnosis.search.revising.removal import gone_from
+from bondgraph.diagnosis.search.trials.trying import UNSOLVED, _or_refused
 from bondgraph.errors import BondGraphError, EquationError
 from bondgraph.physics.bias import ConstantBias
 from bondgraph.physics.library import LIBRARY

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from bondgraph import BondGraph, I, R, Recording, Se, bind_to
+from bondgraph.diagnosis.candidates import CURVE, Promised
 from bondgraph.diagnosis.probing import measure_scales
-from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.candidates import CURVE, Promised
-from bondgraph.diagnosis.search.fits import (
+from bondgraph.diagnosis.search.laws.fits import (
     ShortFit,
     _from_what_they_contain,
     _kept,
     fit_best,
 )
-from bondgraph.diagnosis.search.relatives import from_relative
-from bondgraph.diagnosis.search.sharper import sharpened
-from bondgraph.diagnosis.search.trying import Trial, fit_fully
+from bondgraph.diagnosis.search.laws.relatives import from_relative
+from bondgraph.diagnosis.search.laws.sharper import sharpened
+from bondgraph.diagnosis.search.trials.bench import Bench
+from bondgraph.diagnosis.search.trials.trying import Trial, fit_fully
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model

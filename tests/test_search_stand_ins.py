@@ -6,9 +6,9 @@ import numpy as np
 
 from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
-from bondgraph.diagnosis.evidence.two import JudgedPair
-from bondgraph.diagnosis.search.pair_fits import Pair
-from bondgraph.diagnosis.search.stand_ins import instead_of
+from bondgraph.diagnosis.search.pairs.pair_fits import Pair
+from bondgraph.diagnosis.search.pairs.stand_ins import instead_of
+from bondgraph.diagnosis.search.pairs.two import JudgedPair
 
 LAG, DELAY, LOSS, GLOW, BENT = (
     SimpleNamespace(name=name) for name in ("lag", "delay", "loss", "glow", "bent")

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from bondgraph import BondGraph, C, I, R, Recording, Se, Windows, bind_to
-from bondgraph.diagnosis.search.candidates import Candidate
-from bondgraph.diagnosis.search.stretches import WINDOWS, long_error, stretch
-from bondgraph.diagnosis.search.worth import RUINED, holds_for_whole
+from bondgraph.diagnosis.candidates import Candidate
+from bondgraph.diagnosis.search.base.stretches import WINDOWS, long_error, stretch
+from bondgraph.diagnosis.search.trials.worth import RUINED, holds_for_whole
 from bondgraph.fitting.estimate import FitSettings, fit_model
 
 STEP, SAMPLES, WINDOW = 0.01, 2400, 100

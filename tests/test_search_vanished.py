@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from bondgraph import BondGraph, I, R, Recording, Se, bind_to
+from bondgraph.diagnosis.candidates import Promised
 from bondgraph.diagnosis.probing import measure_scales
-from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.candidates import Promised
-from bondgraph.diagnosis.search.fits import fit_best
-from bondgraph.diagnosis.search.trying import Start, Trial, fit_fully
-from bondgraph.diagnosis.search.vanished import (
+from bondgraph.diagnosis.search.laws.fits import fit_best
+from bondgraph.diagnosis.search.trials.bench import Bench
+from bondgraph.diagnosis.search.trials.trying import Start, Trial, fit_fully
+from bondgraph.diagnosis.search.trials.vanished import (
     has_vanished,
     is_nothing,
     without_vanished,

@@ -5,11 +5,11 @@ import pytest
 
 from bondgraph import BondGraph, R, Recording, Sf, bind_to, diagnose
 from bondgraph.diagnosis.answer.showing import recovered_law
+from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.records import Verdict
-from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.diagnosis.search.revising.removal import fitted_with
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.friction import CoulombFriction
 from bondgraph.physics.places.channels import InputPlace

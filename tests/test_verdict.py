@@ -10,7 +10,6 @@ from judged_candidates import judged
 
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
 from bondgraph.diagnosis.answer.doubt import doubted
-from bondgraph.diagnosis.answer.leftover import excusable
 from bondgraph.diagnosis.answer.notes import notes_on
 from bondgraph.diagnosis.answer.telling import left_of_whole
 from bondgraph.diagnosis.answer.verdict import (
@@ -20,8 +19,9 @@ from bondgraph.diagnosis.answer.verdict import (
     worse_held_out,
 )
 from bondgraph.diagnosis.answer.wording import next_experiment
+from bondgraph.diagnosis.candidates import CURVE, Rejected
+from bondgraph.diagnosis.evidence.leftover import excusable
 from bondgraph.diagnosis.records import Support, Verdict
-from bondgraph.diagnosis.search.candidates import CURVE, Rejected
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.recordings.binding import bind

@@ -8,11 +8,11 @@ from pathlib import Path
 from bondgraph.cli.resuming import kept_for_later
 from bondgraph.cli.session import Loudness, Session
 from bondgraph.cli.terminal import table_style
-from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.records import Diagnosis, Support, Verdict
 from bondgraph.diagnosis.work.workers import Here, Where
 from bondgraph.fitting.estimate import FitSettings
+from bondgraph.physics.names import name_of
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.reporting.curve_table import curve_tables
 from bondgraph.reporting.diagnosis_json import delivered, diagnosis_to_dict

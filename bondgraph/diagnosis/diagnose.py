@@ -11,13 +11,13 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from bondgraph.diagnosis.answer.leftover import excusable
 from bondgraph.diagnosis.answer.notes import notes_on_gaps
 from bondgraph.diagnosis.answer.telling import answer
+from bondgraph.diagnosis.evidence.leftover import excusable
 from bondgraph.diagnosis.misreadings import refuse_unchanging, without_misreadings
 from bondgraph.diagnosis.records import Diagnosis
-from bondgraph.diagnosis.search.beginnings import base_fit
-from bondgraph.diagnosis.search.horizons import search_settings
+from bondgraph.diagnosis.search.base.beginnings import base_fit
+from bondgraph.diagnosis.search.base.horizons import search_settings
 from bondgraph.diagnosis.search.looks import look, second_look
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.work.clock import Progress

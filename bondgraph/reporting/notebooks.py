@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from html import escape
 
 from bondgraph.causality.records import CausalAssignment
-from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.records import Diagnosis
+from bondgraph.physics.names import name_of
 from bondgraph.reporting.drawing import draw_svg
 from bondgraph.reporting.report import diagnosis_picture
 from bondgraph.reporting.wording import (

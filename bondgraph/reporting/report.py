@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bondgraph.causality.assignment import assign_causality
-from bondgraph.diagnosis.answer.wording import name_of
+from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.records import Diagnosis
-from bondgraph.diagnosis.search.candidates import CURVE
+from bondgraph.physics.names import name_of
 from bondgraph.reporting.diagnosis_json import delivered
 from bondgraph.reporting.drawing import draw_svg
 from bondgraph.reporting.files import write_text

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from io import StringIO
 from typing import TextIO
 
-from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.records import Evidence, Support
 from bondgraph.fitting.result import Estimate
+from bondgraph.physics.names import name_of
 from bondgraph.recordings.recording import Recording
 from bondgraph.reporting.wording import (
     NOTHING,

@@ -9,7 +9,6 @@ import numpy as np
 
 from bondgraph.diagnosis.adequacy.adequacy import adequacy
 from bondgraph.diagnosis.adequacy.records import Adequacy
-from bondgraph.diagnosis.answer.leftover import noise_floor
 from bondgraph.diagnosis.answer.long_run import off_in_the_long_run
 from bondgraph.diagnosis.answer.verdict import (
     cut_short,
@@ -21,6 +20,7 @@ from bondgraph.diagnosis.answer.verdict import (
     without_size,
     worse_held_out,
 )
+from bondgraph.diagnosis.evidence.leftover import noise_floor
 from bondgraph.diagnosis.records import Comparison, Finding, Verdict
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.round_found import Round, accepted

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.evidence.decision import Judged, clearly_better
 from bondgraph.diagnosis.records import Evidence, Support
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.fitting.long_runs import simulate_whole
+from bondgraph.physics.names import name_of
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.spread import changes, spread
 

@@ -4,16 +4,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from bondgraph.diagnosis.answer.evidence_shown import hardly_supported, shown
-from bondgraph.diagnosis.answer.wording import finding_statement, name_of
+from bondgraph.diagnosis.answer.wording import finding_statement
+from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence.confidence import beyond_resampling
 from bondgraph.diagnosis.evidence.decision import Judged, alternatives_to
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE
 from bondgraph.diagnosis.records import Finding, Support
-from bondgraph.diagnosis.search.candidates import CURVE
-from bondgraph.diagnosis.search.curve_beside import BetterCurve, better_curve
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.revising.curve_beside import BetterCurve, better_curve
 from bondgraph.diagnosis.search.round_found import Round, accepted, shares_of
 from bondgraph.fitting.result import FitResult
+from bondgraph.physics.names import name_of
 from bondgraph.recordings.binding import BoundRecording
 
 MENDS_SHAPE = (

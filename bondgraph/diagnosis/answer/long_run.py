@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from bondgraph.diagnosis.answer.leftover import (
+from bondgraph.diagnosis.evidence.leftover import (
     SLOWLY,
     residual_over_noise,
     residual_over_spread,

@@ -6,7 +6,7 @@ from importlib.metadata import version
 from typing import Any
 
 from bondgraph.diagnosis.answer.evidence_shown import wider_than_chosen
-from bondgraph.diagnosis.answer.wording import listed, name_of
+from bondgraph.diagnosis.answer.wording import listed
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.round_found import Round, made_in
@@ -14,6 +14,7 @@ from bondgraph.diagnosis.work.limit import OUT_OF_TIME
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.result import FitResult
 from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.physics.names import name_of
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.windows import SHORTEST_WINDOW, stretches
 

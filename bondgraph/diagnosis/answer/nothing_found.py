@@ -9,17 +9,17 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
-from bondgraph.diagnosis.answer.leftover import (
+from bondgraph.diagnosis.evidence.decision import Judged, Rule, is_by_itself
+from bondgraph.diagnosis.evidence.leftover import (
     ADEQUATE_RATIO,
     residual_over_noise,
     residual_over_spread,
     too_large,
 )
-from bondgraph.diagnosis.answer.wording import name_of
-from bondgraph.diagnosis.evidence.decision import Judged, Rule, is_by_itself
 from bondgraph.diagnosis.records import Support, Verdict
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.fitting.estimate import FittedModel
+from bondgraph.physics.names import name_of
 
 NOTHING = (AdequacyStatus.ADEQUATE, AdequacyStatus.COLOURED)
 """What a model leaves that no physics of the machine explains."""

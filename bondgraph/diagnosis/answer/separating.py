@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.experiment.next_experiment import next_experiment
 from bondgraph.diagnosis.experiment.records import Experiment, ExperimentStatus
@@ -18,6 +17,7 @@ from bondgraph.diagnosis.records import Support, Verdict
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel
+from bondgraph.physics.names import name_of
 from bondgraph.recordings.binding import BoundRecording
 
 MOST_RIVALS = 2

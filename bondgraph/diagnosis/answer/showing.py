@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.answer.drawn_laws import (
+from bondgraph.diagnosis.candidates import Candidate
+from bondgraph.diagnosis.drawn_laws import (
     curve_of,
     factor_at_place,
     law_curve,
@@ -15,7 +16,6 @@ from bondgraph.diagnosis.answer.drawn_laws import (
 )
 from bondgraph.diagnosis.probing import common_signal, recover
 from bondgraph.diagnosis.records import RecoveredLaw, Trace
-from bondgraph.diagnosis.search.candidates import Candidate
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.horizon import Windows
 from bondgraph.fitting.long_runs import simulate_whole

@@ -7,10 +7,9 @@ import numpy as np
 
 from bondgraph.diagnosis.answer.at_jumps import doubted_at_jumps
 from bondgraph.diagnosis.answer.concluding import concluded
-from bondgraph.diagnosis.answer.doubt import doubted, remaining
+from bondgraph.diagnosis.answer.doubt import doubted
 from bondgraph.diagnosis.answer.evidence_shown import all_evidence
 from bondgraph.diagnosis.answer.found import findings_of
-from bondgraph.diagnosis.answer.leftover import noise_floor
 from bondgraph.diagnosis.answer.look_alikes import look_alikes
 from bondgraph.diagnosis.answer.notes import notes_on, provenance
 from bondgraph.diagnosis.answer.separating import designed, left_close
@@ -18,11 +17,13 @@ from bondgraph.diagnosis.answer.showing import recovered_law, traces
 from bondgraph.diagnosis.answer.stated import at_bounds, contradicted
 from bondgraph.diagnosis.answer.untried import untried
 from bondgraph.diagnosis.answer.wording import next_experiment
+from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.evidence.decision import Judged
+from bondgraph.diagnosis.evidence.leftover import noise_floor
 from bondgraph.diagnosis.records import Comparison, Diagnosis
-from bondgraph.diagnosis.search.candidates import Candidate
-from bondgraph.diagnosis.search.horizons import refitted
+from bondgraph.diagnosis.search.base.horizons import refitted
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.remaining import remaining
 from bondgraph.diagnosis.search.round_found import Round, accepted
 from bondgraph.fitting.estimate import FittedModel, report
 from bondgraph.fitting.fine_steps import told_finely

@@ -3,15 +3,17 @@
 from collections.abc import Mapping, Sequence
 
 from bondgraph.diagnosis.adequacy.records import Adequacy
-from bondgraph.diagnosis.answer.doubt import ERRORS, MUCH_REMAINING, is_hollow
+from bondgraph.diagnosis.answer.doubt import is_hollow
 from bondgraph.diagnosis.answer.nothing_found import without_findings
-from bondgraph.diagnosis.answer.wording import name_of
+from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence.decision import Rule
+from bondgraph.diagnosis.evidence.numbers import ERRORS
 from bondgraph.diagnosis.records import Comparison, Finding, Support, Verdict
-from bondgraph.diagnosis.search.candidates import CURVE
-from bondgraph.diagnosis.search.horizons import SAME
+from bondgraph.diagnosis.search.base.horizons import SAME
+from bondgraph.diagnosis.search.remaining import MUCH_REMAINING
 from bondgraph.diagnosis.search.round_found import Round, accepted
 from bondgraph.fitting.estimate import FittedModel
+from bondgraph.physics.names import name_of
 
 MOST_REMAINING = 0.5
 """Findings that leave more than this share of the error have not found the cause."""

@@ -8,25 +8,9 @@ from bondgraph.diagnosis.experiment.records import Experiment
 from bondgraph.diagnosis.records import Finding
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.result import Estimate
+from bondgraph.physics.names import name_of
 from bondgraph.structure.domains import ROTATION, TRANSLATION
 from bondgraph.structure.units import plain_unit
-
-NAMES = {
-    "coulomb_friction": "Coulomb (dry) friction",
-    "stribeck_friction": "Stribeck friction",
-    "load_dependent_friction": "load-dependent friction",
-    "direction_dependent_friction": "direction-dependent friction",
-    "viscous_friction": "viscous friction",
-    "quadratic_drag": "quadratic drag",
-    "constant_bias": "a constant bias",
-    "gravity": "gravity",
-    "spring": "a spring",
-    "hardening_spring": "a hardening spring",
-    "added_inertia": "added inertia",
-    "leak": "a leak",
-    "square_root_orifice": "a square-root orifice",
-    "unknown_relation": "a relation without a name",
-}
 
 SURE, UNSURE = "was left out", "may have been left out"
 """What is said of a finding, and of one that is less probable than not."""
@@ -39,11 +23,6 @@ DIGITS = 1e-15
 
 LONG = 6
 """Numbers with more digits before the point are told with a power of ten."""
-
-
-def name_of(physics: str) -> str:
-    """Return how a sentence calls `physics`."""
-    return NAMES.get(physics, physics.replace("_", " "))
 
 
 def value_with_error(estimate: Estimate) -> str:

@@ -8,11 +8,11 @@ the simplest wins; the others stay on record as alternatives.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from bondgraph.diagnosis.candidates import CURVE, Candidate
 from bondgraph.diagnosis.evidence.confidence import winning_shares
 from bondgraph.diagnosis.evidence.gain import Gain, compare
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
-from bondgraph.diagnosis.search.candidates import CURVE, Candidate
 from bondgraph.physics.library import LIBRARY
 
 ALIKE = 0.02

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.search.candidates import (
+from bondgraph.diagnosis.candidates import (
     CURVE,
     Candidate,
     Promised,
     propose_all,
 )
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.worth import holds_for_whole
+from bondgraph.diagnosis.search.trials.worth import holds_for_whole
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.contact import Backlash
 from bondgraph.physics.hypothesis import Hypothesis

@@ -14,15 +14,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.answer.doubt import MUCH_REMAINING, remaining
-from bondgraph.diagnosis.answer.leftover import noise_floor, too_large
-from bondgraph.diagnosis.search.beginnings import Known
-from bondgraph.diagnosis.search.beyond_noise import within
-from bondgraph.diagnosis.search.candidates import CURVE
-from bondgraph.diagnosis.search.hollow import without_hollow
-from bondgraph.diagnosis.search.horizons import sharpened
+from bondgraph.diagnosis.candidates import CURVE
+from bondgraph.diagnosis.evidence.leftover import noise_floor, too_large
+from bondgraph.diagnosis.search.base.beginnings import Known
+from bondgraph.diagnosis.search.base.beyond_noise import within
+from bondgraph.diagnosis.search.base.horizons import sharpened
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.plainer import without_needless_parts
+from bondgraph.diagnosis.search.remaining import MUCH_REMAINING, remaining
+from bondgraph.diagnosis.search.revising.hollow import without_hollow
+from bondgraph.diagnosis.search.revising.plainer import without_needless_parts
 from bondgraph.diagnosis.search.round_found import Round, accepted, chosen_in
 from bondgraph.diagnosis.search.rounds import search
 from bondgraph.diagnosis.work.workers import Workshop

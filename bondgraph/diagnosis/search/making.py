@@ -6,14 +6,14 @@ Where it found no law with a name, two are tried at once.
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from bondgraph.diagnosis.candidates import CURVE, Candidate
 from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.records import Support
-from bondgraph.diagnosis.search.candidates import CURVE, Candidate
 from bondgraph.diagnosis.search.considered import Setting
-from bondgraph.diagnosis.search.exchange import Exchanged, Reached, exchanged
-from bondgraph.diagnosis.search.removal import Pruned, pruned, swallowed
+from bondgraph.diagnosis.search.pairs.together import explained, two_rounds
+from bondgraph.diagnosis.search.revising.exchange import Exchanged, Reached, exchanged
+from bondgraph.diagnosis.search.revising.removal import Pruned, pruned, swallowed
 from bondgraph.diagnosis.search.round_found import Round, chosen_in
-from bondgraph.diagnosis.search.together import explained, two_rounds
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import Hypothesis

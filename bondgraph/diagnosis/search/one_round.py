@@ -10,27 +10,27 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.evidence.judging import Verdicts, judge_all
-from bondgraph.diagnosis.search.bench import Bench
-from bondgraph.diagnosis.search.beyond_noise import explainable, left_beside
-from bondgraph.diagnosis.search.candidates import (
+from bondgraph.diagnosis.candidates import (
     CURVE,
     Candidate,
     Rejected,
 )
+from bondgraph.diagnosis.search.base.beyond_noise import explainable, left_beside
+from bondgraph.diagnosis.search.base.runaway import run_away
 from bondgraph.diagnosis.search.considered import Setting, considered, promising
-from bondgraph.diagnosis.search.curve_from_law import with_curve_drawn
-from bondgraph.diagnosis.search.elsewhere import begun_elsewhere
-from bondgraph.diagnosis.search.finer import as_fine_as_told
-from bondgraph.diagnosis.search.fits import (
+from bondgraph.diagnosis.search.laws.curve_from_law import with_curve_drawn
+from bondgraph.diagnosis.search.laws.elsewhere import begun_elsewhere
+from bondgraph.diagnosis.search.laws.finer import as_fine_as_told
+from bondgraph.diagnosis.search.laws.fits import (
     fit_best,
     fit_remembering,
     fit_whatever,
 )
 from bondgraph.diagnosis.search.round_found import Round
-from bondgraph.diagnosis.search.runaway import run_away
-from bondgraph.diagnosis.search.screening import screen
-from bondgraph.diagnosis.search.worth import worth_judging
+from bondgraph.diagnosis.search.trials.bench import Bench
+from bondgraph.diagnosis.search.trials.judging import Verdicts, judge_all
+from bondgraph.diagnosis.search.trials.screening import screen
+from bondgraph.diagnosis.search.trials.worth import worth_judging
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.physics.hypothesis import Hypothesis
 

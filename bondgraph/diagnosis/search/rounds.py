@@ -13,16 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE
-from bondgraph.diagnosis.search.between_samples import finely_stepped
-from bondgraph.diagnosis.search.beyond_noise import left_beside, within
+from bondgraph.diagnosis.search.base.between_samples import finely_stepped
+from bondgraph.diagnosis.search.base.beyond_noise import left_beside, within
 from bondgraph.diagnosis.search.considered import Setting
-from bondgraph.diagnosis.search.curve_beside import told_instead, with_curve
-from bondgraph.diagnosis.search.exchange import Reached
 from bondgraph.diagnosis.search.making import Made, made_of, or_two
 from bondgraph.diagnosis.search.one_round import one_round
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.reconsidered import reconsidered
-from bondgraph.diagnosis.search.removal import fitted_with
+from bondgraph.diagnosis.search.revising.curve_beside import told_instead, with_curve
+from bondgraph.diagnosis.search.revising.exchange import Reached
+from bondgraph.diagnosis.search.revising.reconsidered import reconsidered
+from bondgraph.diagnosis.search.revising.removal import fitted_with
 from bondgraph.diagnosis.search.round_found import (
     Round,
     chosen_in,

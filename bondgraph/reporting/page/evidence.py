@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.records import Diagnosis, Evidence, Finding, Support
+from bondgraph.physics.names import name_of
 from bondgraph.reporting.wording import sentence_start
 
 SHOWN = 8

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bondgraph.diagnosis.answer.wording import name_of
 from bondgraph.diagnosis.records import Finding, RecoveredLaw
+from bondgraph.physics.names import name_of
 from bondgraph.reporting.charts import Array, Chart, Curve, chart
 from bondgraph.reporting.wording import number_words, unit_words
 

@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.records import Diagnosis
-from bondgraph.diagnosis.search.candidates import CURVE
 from bondgraph.fitting.result import Estimate
 from bondgraph.reporting.diagnosis_json import delivered
 from bondgraph.reporting.page.evidence import Whisker

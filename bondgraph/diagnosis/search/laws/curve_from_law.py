@@ -1,0 +1,104 @@
+"""A curve that begins as a law with a name: as much as that explains, and then more.
+
+From nothing a curve may not find its form where the model without it is far from the
+machine, and a law with a name does: an air spring is nearly a hardening one. Where a
+chosen law leaves much that is no noise, a curve at its place is fitted as well, from
+where the best law of the curve's own variable has ended, so that one can see whether
+that is all there is.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.diagnosis.candidates import CURVE, Candidate
+from bondgraph.diagnosis.drawn_laws import law_curve
+from bondgraph.diagnosis.evidence.decision import Judged, Rule, judge
+from bondgraph.diagnosis.probing import measure_scales
+from bondgraph.diagnosis.search.base.beyond_noise import explainable
+from bondgraph.diagnosis.search.trials.bench import Bench
+from bondgraph.diagnosis.search.trials.judging import Verdicts, errors_of
+from bondgraph.diagnosis.search.trials.trying import Start, Trial, fit_fully
+from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.physics.places.everywhere import all_places
+from bondgraph.physics.places.junction import JunctionPlace, OneJunctionPlace
+from bondgraph.physics.unknown import UnknownRelation, knots_at
+from bondgraph.structure.domains import Quantity
+from bondgraph.structure.edits import InsertElement
+
+Array = NDArray[np.float64]
+MUCH = 0.5
+"""A chosen law that leaves more than this share beyond the noise is looked at again."""
+
+
+def with_curve_drawn(
+    bench: Bench, verdicts: Verdicts, tried: float, rule: Rule, noise: Array
+) -> tuple[Judged, ...]:
+    """Return what was judged, with a curve that the chosen law may only come near to.
+
+    Parameters
+    ----------
+    tried
+        How many independent hypotheses were tried.
+    noise
+        Residual per output that noise excuses, 0 where it is not known.
+    """
+    chosen, before = verdicts.chosen, verdicts.before
+    if chosen is None or before is None or chosen.physics == CURVE:
+        return verdicts.judged
+    if explainable(chosen.candidate.fitted, noise) <= MUCH:
+        return verdicts.judged
+    trial = _trial(bench, chosen.place, verdicts.judged)
+    if trial is None:
+        return verdicts.judged
+    results = bench.run(fit_fully, [trial], "a curve from the law")
+    drawn = bench.candidates([trial], results)
+    errors = errors_of(bench, drawn, before.chunks.size, noise)
+    return (
+        *verdicts.judged,
+        *(
+            judge(one, before, left, tried, rule)
+            for one, left in zip(drawn, errors, strict=True)
+        ),
+    )
+
+
+def _trial(bench: Bench, there: str, judged: Sequence[Judged]) -> Trial | None:
+    """Return a fit of a curve at a place that was not judged yet.
+
+    It begins as the best law that depends on the curve's own variable and nothing else.
+    """
+    laws = [
+        one.candidate
+        for one in sorted(judged, key=lambda one: -one.gain.value)
+        if one.place == there
+        and one.physics != CURVE
+        and isinstance(one.candidate.hypothesis.edit, InsertElement)
+    ]
+    known = {one.candidate.hypothesis.told_by for one in judged}
+    for place in all_places(bench.base.graph, measure_scales(bench.base)):
+        if place.name != there or not isinstance(place, JunctionPlace):
+            continue
+        curves = [
+            curve
+            for curve in UnknownRelation().propose(place)
+            if curve.told_by not in known and curve.factor == 1
+        ]
+        for law in laws:
+            for curve in curves:
+                if law.hypothesis.depends_on == curve.depends_on:
+                    return Trial(curve, (_as_the_law(law, curve, place),))
+    return None
+
+
+def _as_the_law(law: Candidate, curve: Hypothesis, place: JunctionPlace) -> Start:
+    """Return where the law has ended, with the heights of the curve on the law."""
+    is_one = isinstance(place, OneJunctionPlace)
+    local = Quantity.FLOW if is_one else Quantity.EFFORT
+    displaced = any(Quantity.DISPLACEMENT.value in one for one in curve.depends_on)
+    quantity = Quantity.DISPLACEMENT if displaced else local
+    x, y = law_curve(law.fitted, law, quantity.value)
+    heights = np.interp(knots_at(place, quantity), x, y)
+    on_it = dict(zip(curve.strengths, map(float, heights), strict=True))
+    return Start({**law.fitted.values, **on_it})

@@ -1,0 +1,124 @@
+"""A curve without a name, drawn as smooth as the data tell.
+
+Few knots are enough to find the place, and leave little freedom to mislead. Once a
+curve has been chosen it is drawn finely, smooth first and then rougher and rougher as
+long as that predicts left-out data better; and once more with both ways the same, which
+has half as much to tell.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bondgraph.diagnosis.candidates import CURVE, Candidate
+from bondgraph.diagnosis.evidence.decision import Judged
+from bondgraph.diagnosis.evidence.gain import compare
+from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, left_out_errors
+from bondgraph.diagnosis.probing import measure_scales
+from bondgraph.diagnosis.search.trials.bench import Bench
+from bondgraph.diagnosis.search.trials.trying import Start, Trial, fit_fully
+from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.physics.places.everywhere import all_places
+from bondgraph.physics.smooth import Smooth
+from bondgraph.physics.unknown import BOTH_WAYS, UnknownRelation
+
+PIECES = 8
+"""Into how many each stretch of the first curve is divided."""
+
+ROUGHNESS = (1.0, 3.0, 10.0, 30.0, 100.0)
+"""How rough a curve may be, in heights per range, one after the other."""
+
+
+def as_fine_as_told(bench: Bench, chosen: Judged, before: LeftOutErrors) -> Judged:
+    """Return the chosen candidate; a curve as the smooth one that predicts best.
+
+    Left-out data decide how smooth, by the mean log error of the chunks: one chunk that
+    alone reaches an end of the curve would decide a sum. Where no smooth curve predicts
+    them as well as the first one, that stays.
+
+    Parameters
+    ----------
+    before
+        Errors without it: what the smooth curve gains is told of it.
+    """
+    if chosen.physics != CURVE:
+        return chosen
+    chunks = len(chosen.errors.chunks)
+    first = _Drawing(chosen.candidate, chunks)
+    best = first
+    for odd in (False, True):
+        drawn = _as_rough_as_told(bench, first, odd)
+        if drawn is not None and drawn.typical <= best.typical:
+            best = drawn
+    if best is first:
+        return chosen
+    errors = replace(best.errors, noise=chosen.errors.noise)
+    gain = compare(before, errors)
+    reason = f"reduces the left-out error by {gain}"
+    return replace(
+        chosen, candidate=best.candidate, errors=errors, gain=gain, reason=reason
+    )
+
+
+class _Drawing:
+    """A curve, and how well it predicts chunks that are left out."""
+
+    def __init__(self, candidate: Candidate, chunks: int) -> None:
+        self.candidate = candidate
+        self.errors = left_out_errors(candidate.fitted, chunks)
+        left = self.errors.chunks
+        self.typical = float(np.mean(np.log(np.maximum(left, 1e-12 * left.max()))))
+        """Mean log of the squared errors on left-out chunks."""
+
+
+def _as_rough_as_told(bench: Bench, first: _Drawing, odd: bool) -> _Drawing | None:
+    """Return the curve drawn finely, as rough as left-out data want it."""
+    best, start = None, first.candidate
+    for roughness in ROUGHNESS:
+        found = _drawn(bench, first.candidate, start, roughness, odd)
+        if found is None and odd:
+            break  # No roughness makes a curve go both ways.
+        if found is None:
+            continue
+        drawn = _Drawing(found, len(first.errors.chunks))
+        if best is None or drawn.typical <= best.typical:
+            best = drawn
+        elif best.typical <= first.typical:
+            break
+        start = found
+    return best
+
+
+def _drawn(
+    bench: Bench, first: Candidate, start: Candidate, roughness: float, odd: bool
+) -> Candidate | None:
+    """Return the first curve drawn finely, fitted from where another fit has ended.
+
+    None where it cannot be: where no curve there is the same both ways, say.
+    """
+    values = first.fitted.values
+    heights = tuple(values[name] for name in first.hypothesis.strengths)
+    physics = UnknownRelation(Smooth(heights, PIECES, roughness, odd))
+    hypothesis = _proposed(bench, first.hypothesis, physics)
+    if hypothesis is None or (odd and BOTH_WAYS not in hypothesis.words):
+        return None
+    begin = Start.where_ended(start.fitted)
+    known = {**hypothesis.starts[0], **begin.values}
+    trial = Trial(hypothesis, (replace(begin, values=known),))
+    found = bench.candidates([trial], bench.run(fit_fully, [trial], "a smooth curve"))
+    return found[0] if found else None
+
+
+def _proposed(
+    bench: Bench, first: Hypothesis, physics: UnknownRelation
+) -> Hypothesis | None:
+    """Return the same curve as another form of the physics proposes it."""
+    plain = UnknownRelation()
+    same = [
+        finer
+        for place in all_places(bench.base.graph, measure_scales(bench.base))
+        if place.name == first.place
+        for form, finer in zip(plain.forms(place), physics.forms(place), strict=True)
+        if form().words == first.words
+    ]
+    return same[0]() if len(same) == 1 else None

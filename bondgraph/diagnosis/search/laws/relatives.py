@@ -1,0 +1,95 @@
+"""Relatives: laws of which one contains the other, or the same law at another place.
+
+What seems a worse law may be a fit that ended too early. A wider law's values without
+its additions, a narrower one's with them, and the same law's at another place are
+better starts; every candidate is refitted from relatives that fit better.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from operator import attrgetter
+
+from bondgraph.diagnosis.candidates import Candidate
+from bondgraph.diagnosis.search.trials.bench import Bench
+from bondgraph.diagnosis.search.trials.trying import Start, Trial, fit_fully
+from bondgraph.diagnosis.search.trials.vanished import begun_again
+from bondgraph.physics.hypothesis import Hypothesis
+
+RELATIVE_BETTER = 0.99
+"""A relative that costs less than this share is a better start."""
+
+WIDER = 4
+"""Laws that contain the leading one are tried from its optimum, at most so many."""
+
+
+def related(
+    bench: Bench, candidates: list[Candidate], hypotheses: Sequence[Hypothesis]
+) -> list[Candidate]:
+    """Return the candidates, each refitted from relatives that fit better.
+
+    Laws that contain the leading one are tried from its optimum, even where they were
+    not kept; a law that its fit has let go of begins again with an effect.
+    """
+    if not candidates:
+        return []
+    trials = [
+        Trial(own.hypothesis, from_relative(own, other))
+        for own in candidates
+        for other in candidates
+        if other.cost < RELATIVE_BETTER * own.cost and _akin(own, other)
+    ]
+    leading = min(candidates, key=attrgetter("cost"))
+    kept = {id(candidate.hypothesis) for candidate in candidates}
+    wider = [
+        h for h in hypotheses if id(h) not in kept and h.contains(leading.hypothesis)
+    ][:WIDER]
+    there = Start.where_ended(leading.fitted)
+    trials += [Trial(hypothesis, (there,)) for hypothesis in wider]
+    trials += begun_again(candidates)
+    if not trials:
+        return candidates
+    refitted = bench.candidates(trials, bench.run(fit_fully, trials, "relatives"))
+    best = {id(candidate.hypothesis): candidate for candidate in candidates}
+    for candidate in refitted:
+        known = best.get(id(candidate.hypothesis))
+        if known is None or candidate.cost < known.cost:
+            best[id(candidate.hypothesis)] = candidate
+    return list(best.values())
+
+
+def _akin(own: Candidate, other: Candidate) -> bool:
+    """Return whether one law contains the other here, or is the same elsewhere."""
+    a, b = own.hypothesis, other.hypothesis
+    if a.place == b.place:
+        return a.contains(b) or b.contains(a)
+    return a.physics == b.physics and own.complexity == other.complexity
+
+
+def _shared(other: Candidate) -> dict[str, float]:
+    """Return the values that a fit found, to start another from."""
+    problem = other.fitted.problem
+    names = problem.free_names
+    return dict(zip(names, map(float, other.fitted.optimum.theta), strict=True))
+
+
+def from_relative(own: Candidate, other: Candidate) -> tuple[Start, ...]:
+    """Return starts at the other's values, with the own ones where they differ.
+
+    And where the other is contained in it, with its additions at none: what it has
+    become on its own way need not suit, and from there it cannot end worse.
+    """
+    shared = {**_shared(own), **_shared(other)}
+    twins = zip(own.hypothesis.parameters, other.hypothesis.parameters, strict=False)
+    for name, twin in twins:
+        # A coefficient without a unit is the same seen from either side of a gear.
+        if name != twin and own.fitted.graph.parameters[name].unit == "1":
+            shared[name] = shared[twin]
+    problem = other.fitted.problem
+    starts = [Start(shared, other.fitted.optimum.initial, problem.solver)]
+    if own.hypothesis.contains(other.hypothesis):
+        added = set(own.hypothesis.strengths) - set(other.hypothesis.parameters)
+        starts += [
+            replace(starts[0], values={**shared, **{n: silent[n] for n in added}})
+            for silent in own.hypothesis.silent_starts[:1]
+        ]
+    return tuple(starts)

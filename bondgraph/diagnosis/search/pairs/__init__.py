@@ -1,0 +1,1 @@
+"""Two laws at once, where none alone is supported."""

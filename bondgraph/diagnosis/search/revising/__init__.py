@@ -1,0 +1,1 @@
+"""Second thoughts: what was added is taken out, exchanged, or told more plainly."""

@@ -1,0 +1,209 @@
+"""A curve beside the laws with a name: it tells whether they only come near.
+
+Many a relation is nearly a law of the library: a damper that grows with a root is
+nearly dry friction. What is left then is no noise, and a free curve at the same place
+leaves far less than all that was found with a name. Where a right law was found, the
+curve does not: it left 1 / 1.15 at least of what all findings left together, in each of
+about a hundred diagnoses, concealed and in recordings of strangers.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from bondgraph.diagnosis.candidates import CURVE
+from bondgraph.diagnosis.evidence.decision import (
+    Judged,
+    Rule,
+    clearly_better,
+    probability,
+)
+from bondgraph.diagnosis.evidence.left_out import left_out_errors
+from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.laws.finer import as_fine_as_told
+from bondgraph.diagnosis.search.pairs.together import explained
+from bondgraph.diagnosis.search.round_found import Round, made_in
+from bondgraph.diagnosis.search.trials.bench import Bench
+from bondgraph.diagnosis.work.workers import Workshop
+from bondgraph.physics.friction import (
+    CoulombFriction,
+    DirectionDependentFriction,
+    StribeckFriction,
+)
+from bondgraph.physics.load import LoadDependentFriction
+
+LEAVES_MORE = 1.5
+"""Named laws that leave so many times what a curve leaves come near at most."""
+
+FAR_MORE = 3.0
+"""Those that leave so many times as much are told as the curve ..."""
+
+NOT_ALL = 0.05
+"""... where they also leave this share of what the first model left, or as much less as
+the curve is better still. Not where dry friction was found by then: of a real machine
+it explains most and not all, and is what its friction is called.
+"""
+
+DRY = frozenset({
+    CoulombFriction.word, DirectionDependentFriction.word, StribeckFriction.word,
+    LoadDependentFriction.word,
+})  # fmt: skip
+
+STILL_MORE, AS_MUCH = 2.0, 0.5
+"""Where the first law was so, others only mend its shape: a second that still leaves so
+many times what the curve does, for two laws that are both there leave less than any one
+curve; and more that leave about as much, or more than the curve once that is finely
+drawn, for one relation is likelier than three.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class BetterCurve:
+    """A curve that leaves less than all laws with a name together.
+
+    Parameters
+    ----------
+    index
+        Of the round that judged it.
+    named
+        All that was found with a name, judged on as many chunks.
+    times
+        How many times what it leaves the named laws leave.
+    left
+        The share of the first model's error that these leave.
+    first_times, first_left
+        The same of the law that was chosen in its place.
+    rubs
+        Whether dry friction had been found by then.
+    laws
+        How many have a name.
+    """
+
+    index: int
+    curve: Judged
+    named: Judged
+    times: float
+    left: float
+    first_times: float
+    first_left: float
+    rubs: bool
+    laws: int
+
+    @property
+    def is_told(self) -> bool:
+        """Whether it is to be told in their place."""
+        then = self._only_near(self.first_times, self.first_left)
+        enough = AS_MUCH if self.laws > 2 else STILL_MORE
+        now = self._only_near(self.times, self.left)
+        return now or (then and self.times >= enough)
+
+    def _only_near(self, times: float, left: float) -> bool:
+        """Return whether a law that leaves so much only comes near to the cause."""
+        least = NOT_ALL if self.rubs else NOT_ALL * FAR_MORE / times
+        return times >= FAR_MORE and left >= least
+
+
+def better_curve(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
+    """Return the best curve that leaves clearly less than what was found, if any.
+
+    Where none was tried at the place of a law with a name, or a curve was found there
+    itself, there is none.
+    """
+    held = _curves_beside(rounds)
+    if not held:
+        return None
+    best = held[0]
+    clearly = clearly_better(best.curve, best.named, rule)
+    return best if clearly and best.times >= LEAVES_MORE else None
+
+
+def told_instead(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
+    """Return the curve to tell in place of what was found with a name, if any.
+
+    In place of three laws and more the one that was tried first, so in place of all.
+    """
+    better = better_curve(rounds, rule)
+    if better is not None and better.is_told:
+        return better
+    if len(made_in(rounds)) > 2:
+        told = [one for one in _curves_beside(rounds) if one.is_told]
+        return min(told, key=lambda one: one.index, default=None)
+    return None
+
+
+def _curves_beside(rounds: Sequence[Round]) -> list[BetterCurve]:
+    """Return the curves that were tried where a law with a name was found, best first.
+
+    None where a curve was found itself.
+    """
+    made = made_in(rounds)
+    drawn = {one.place for one in made if one.physics == CURVE}
+    places = {one.place for one in made} - drawn
+    curves = [
+        (i, judged)
+        for i, found in enumerate(rounds)
+        for judged in found.judged
+        if judged.physics == CURVE
+        and judged.support is Support.SUPPORTED
+        and judged.place in places
+    ]
+    curves.sort(key=lambda one: float(one[1].errors.chunks.sum()))
+    dealt = {judged.errors.chunks.size: judged for _, judged in curves}
+    named = {size: _dealt_like(made[-1], judged) for size, judged in dealt.items()}
+    return [
+        _held_against(named[judged.errors.chunks.size], rounds, i, judged)
+        for i, judged in curves
+    ]
+
+
+def _held_against(
+    named: Judged, rounds: Sequence[Round], index: int, curve: Judged
+) -> BetterCurve:
+    """Return a curve held against all that was found with a name."""
+    times = _times(named, curve)
+    first, until = rounds[index].chosen, rounds[: index + 1]
+    return BetterCurve(
+        index,
+        curve,
+        named,
+        times,
+        1.0 - explained(rounds),
+        first_times=times if first is None else _times(first, curve),
+        first_left=1.0 - explained(until),
+        rubs=any(one.physics in DRY for one in made_in(until)),
+        laws=len(made_in(rounds)),
+    )
+
+
+def _times(judged: Judged, curve: Judged) -> float:
+    """Return how many times what a curve leaves another candidate leaves."""
+    left = float(judged.errors.chunks.sum())
+    return left / max(float(curve.errors.chunks.sum()), 1e-12 * left)
+
+
+def _dealt_like(judged: Judged, other: Judged) -> Judged:
+    """Return a candidate judged on as many chunks as another, to be compared."""
+    chunks = other.errors.chunks.size
+    if judged.errors.chunks.size == chunks:
+        return judged
+    errors = left_out_errors(judged.candidate.fitted, chunks)
+    return replace(judged, errors=replace(errors, noise=judged.errors.noise))
+
+
+def with_curve(
+    rounds: Sequence[Round], better: BetterCurve, rule: Rule, shop: Workshop
+) -> list[Round] | None:
+    """Return the rounds up to the one that judged the curve, which it has chosen.
+
+    Like any curve that is chosen it is drawn as finely as the data tell. None where it
+    leaves more even so.
+    """
+    found, curve = rounds[better.index], better.curve
+    before = left_out_errors(found.base, curve.errors.chunks.size)
+    sure = probability(curve, found.judged, before, rule)
+    bench = Bench.of(found.base, shop, f"round {better.index + 1}")
+    drawn = as_fine_as_told(bench, curve, before)
+    if better.times < LEAVES_MORE and _times(better.named, drawn) < 1.0:
+        return None
+    judged = tuple(drawn if one is curve else one for one in found.judged)
+    told = replace(found, judged=judged, chosen=drawn, probability=sure, removed=())
+    return [*rounds[: better.index], told]
