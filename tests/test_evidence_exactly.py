@@ -44,7 +44,7 @@ from bondgraph.diagnosis.evidence.left_out import (
 )
 from bondgraph.diagnosis.evidence.surprise import surprise
 from bondgraph.diagnosis.records import Support
-from bondgraph.fitting.colour import MOST_ORDER, colour_of
+from bondgraph.fitting.certainty.colour import MOST_ORDER, colour_of
 from bondgraph.fitting.horizon import SHORTEST, Windows
 
 

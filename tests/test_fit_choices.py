@@ -15,9 +15,9 @@ from test_fitting import (
 
 from bondgraph import FitSettings, WholeRecordings, fit
 from bondgraph.errors import FitError
+from bondgraph.fitting.certainty.profile import ProfileStatus, profile
 from bondgraph.fitting.loss import Huber, StudentT, cost_of, weight_of
 from bondgraph.fitting.noise import AutoregressiveNoise
-from bondgraph.fitting.profile import ProfileStatus, profile
 from bondgraph.fitting.starts import ManyStarts
 from bondgraph.fitting.strategy import Direct, GrowingWindows, MultipleShooting
 

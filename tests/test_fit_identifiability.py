@@ -27,9 +27,12 @@ from bondgraph import (
     fit,
     q,
 )
-from bondgraph.fitting.combinations import Local, combination_sentences
-from bondgraph.fitting.identifiability import IdentifiabilityStatus, identifiability
-from bondgraph.fitting.solver_error import SolverErrorStatus
+from bondgraph.fitting.certainty.combinations import Local, combination_sentences
+from bondgraph.fitting.certainty.identifiability import (
+    IdentifiabilityStatus,
+    identifiability,
+)
+from bondgraph.fitting.certainty.solver_error import SolverErrorStatus
 
 TIME = 0.01 * np.arange(300)
 

@@ -20,8 +20,8 @@ from bondgraph import (
     q,
 )
 from bondgraph.errors import FitError
-from bondgraph.fitting.innovations import InnovationStatus, fit_innovations
-from bondgraph.fitting.whiteness import ljung_box
+from bondgraph.fitting.certainty.whiteness import ljung_box
+from bondgraph.fitting.kalman.innovations import InnovationStatus, fit_innovations
 from bondgraph.simulation.solvers import Hold, RungeKutta4
 
 TRUE = {"m": 2.0, "k": 50.0, "b": 1.5}

@@ -21,11 +21,11 @@ from bondgraph import (
     q,
 )
 from bondgraph.equations.derivation import derive
-from bondgraph.fitting.filter_setting import Unknowns
-from bondgraph.fitting.filter_start import filter_starts
-from bondgraph.fitting.filtering import filtered
-from bondgraph.fitting.innovations import InnovationStatus, fit_innovations
-from bondgraph.fitting.kalman_choices import Extended, Unscented
+from bondgraph.fitting.kalman.filter_setting import Unknowns
+from bondgraph.fitting.kalman.filter_start import filter_starts
+from bondgraph.fitting.kalman.filtering import filtered
+from bondgraph.fitting.kalman.innovations import InnovationStatus, fit_innovations
+from bondgraph.fitting.kalman.kalman_choices import Extended, Unscented
 from bondgraph.numeric.model import compile_model
 from bondgraph.numeric.states_read import with_states_read
 from bondgraph.simulation.shooting import Shots, shoot

@@ -23,12 +23,12 @@ from bondgraph.cli.reading_options import Reading, recording_options
 from bondgraph.cli.session import Session
 from bondgraph.cli.terminal import table_style
 from bondgraph.errors import FitError
+from bondgraph.fitting.certainty.profile import profile
 from bondgraph.fitting.either_hold import fitted_either_way
 from bondgraph.fitting.estimate import FitSettings, fit_model, report
 from bondgraph.fitting.fine_steps import told_finely
 from bondgraph.fitting.fitted import FittedModel
 from bondgraph.fitting.long_runs import simulate_whole
-from bondgraph.fitting.profile import profile
 from bondgraph.fitting.result import FitResult, FitStatus, Score
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.reporting.model_text import to_python

@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from bondgraph.fitting.certainty.identifiability import identifiability
+from bondgraph.fitting.certainty.profile import Profile
+from bondgraph.fitting.certainty.solver_error import SolverError, SolverErrorStatus
 from bondgraph.fitting.fitted import FittedModel
-from bondgraph.fitting.identifiability import identifiability
-from bondgraph.fitting.profile import Profile
 from bondgraph.fitting.result import FitResult, Score
-from bondgraph.fitting.solver_error import SolverError, SolverErrorStatus
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.reporting.diagnosis_json import json_value
 from bondgraph.reporting.model_text import to_python

@@ -8,11 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.fitting.automatic import accumulates, automatic_horizon, choose_horizon
-from bondgraph.fitting.combinations import barely_known, combination_sentences
+from bondgraph.fitting.certainty.combinations import barely_known, combination_sentences
+from bondgraph.fitting.certainty.identifiability import RECORDED, around
+from bondgraph.fitting.certainty.solver_error import solver_error
+from bondgraph.fitting.certainty.uncertainty import Uncertainty, uncertainty
 from bondgraph.fitting.first_states import first_guess
 from bondgraph.fitting.fitted import FittedModel
 from bondgraph.fitting.horizon import Automatic, WholeRecordings, cut
-from bondgraph.fitting.identifiability import RECORDED, around
 from bondgraph.fitting.levenberg_marquardt import Optimum, minimise
 from bondgraph.fitting.loss import SquaredError, scale_of
 from bondgraph.fitting.noise import WhiteNoise, lag_one
@@ -20,10 +22,8 @@ from bondgraph.fitting.posing import pose, prepare
 from bondgraph.fitting.problem import FitProblem, Linearisation
 from bondgraph.fitting.result import Estimate, FitResult, FitStatus, Score
 from bondgraph.fitting.settings import FitSettings
-from bondgraph.fitting.solver_error import solver_error
 from bondgraph.fitting.solving import solve, solve_from
 from bondgraph.fitting.starts import ManyStarts
-from bondgraph.fitting.uncertainty import Uncertainty, uncertainty
 from bondgraph.numeric.model import NumericModel
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.spread import changes, spread

@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from bondgraph.fitting.certainty.uncertainty import uncertainty
 from bondgraph.fitting.fitted import FittedModel
 from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.fitting.step_error import MOST_SUBSTEPS
-from bondgraph.fitting.uncertainty import uncertainty
 from bondgraph.simulation.solvers import Hold, Solver
 
 MOVED = 0.5

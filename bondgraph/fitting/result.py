@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from bondgraph.fitting.certainty.solver_error import SolverError
 from bondgraph.fitting.fitted import FittedModel
-from bondgraph.fitting.solver_error import SolverError
 from bondgraph.structure.graph import FinishedGraph
 
 

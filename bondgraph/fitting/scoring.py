@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.filter_setting import Filtered, Setting, Unknowns
-from bondgraph.fitting.filtering import filtered
+from bondgraph.fitting.kalman.filter_setting import Filtered, Setting, Unknowns
+from bondgraph.fitting.kalman.filtering import filtered
 from bondgraph.fitting.problem import FitProblem, truncated_inverse
 
 Array = NDArray[np.float64]

@@ -20,7 +20,7 @@ _HTML = {
     "bondgraph.fitting.simulate": {"Solution": "charts:solution_html"},
     "bondgraph.simulation.run": {"Run": "charts:run_html"},
     "bondgraph.fitting.result": {"FitResult": "tables:fit_html"},
-    "bondgraph.fitting.profile": {"Profile": "charts:profile_html"},
+    "bondgraph.fitting.certainty.profile": {"Profile": "charts:profile_html"},
     "bondgraph.diagnosis.records": {"Diagnosis": "pictures:diagnosis_html"},
 }
 _LATEX = {

@@ -11,7 +11,7 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.profile import Profile
+from bondgraph.fitting.certainty.profile import Profile
 from bondgraph.fitting.simulate import Solution, SolveStatus
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.recording import Recording

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.autoregression import autocovariance, levinson
+from bondgraph.fitting.certainty.autoregression import autocovariance, levinson
 
 Array = NDArray[np.float64]
 MOST_ORDER = 20

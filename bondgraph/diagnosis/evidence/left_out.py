@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.evidence.surprise import surprise
+from bondgraph.fitting.certainty.uncertainty import correlation_time
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.horizon import SHORTEST
 from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.fitting.problem import FitProblem, linearise_windows
 from bondgraph.fitting.settling import settle
-from bondgraph.fitting.uncertainty import correlation_time
 
 Array = NDArray[np.float64]
 MOST_CHUNKS, LEAST_CHUNKS = 24, 6

@@ -13,7 +13,7 @@ from itertools import accumulate
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.colour import MOST_ORDER, Colour, colour_of
+from bondgraph.fitting.certainty.colour import MOST_ORDER, Colour, colour_of
 
 Array = NDArray[np.float64]
 LOST = 1e6

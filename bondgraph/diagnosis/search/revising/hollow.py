@@ -18,8 +18,8 @@ from bondgraph.diagnosis.search.round_found import Round, chosen_in
 from bondgraph.diagnosis.search.trials.vanished import is_nothing
 from bondgraph.diagnosis.work.limit import Limit
 from bondgraph.errors import BondGraphError
+from bondgraph.fitting.certainty.uncertainty import uncertainty
 from bondgraph.fitting.estimate import FittedModel
-from bondgraph.fitting.uncertainty import uncertainty
 from bondgraph.recordings.binding import BoundRecording
 
 

@@ -15,9 +15,9 @@ from bondgraph.diagnosis.evidence.gain import compare
 from bondgraph.diagnosis.evidence.left_out import chunk_count, left_out_errors
 from bondgraph.diagnosis.search.trials.posing import initial_states, suited
 from bondgraph.errors import BondGraphError
+from bondgraph.fitting.certainty.uncertainty import uncertainty
 from bondgraph.fitting.estimate import FittedModel, pose, prepare
 from bondgraph.fitting.levenberg_marquardt import minimise
-from bondgraph.fitting.uncertainty import uncertainty
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.structure.parameters import Parameter
 

@@ -1,1 +1,1 @@
-"""One hypothesis on the base model: its promise, its fit, and whether it is worth one."""
+"""One hypothesis on the base model: its promise, its fit, its worth."""

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate, Rejected
+from bondgraph.fitting.certainty.uncertainty import uncertainty
 from bondgraph.fitting.estimate import FittedModel
-from bondgraph.fitting.uncertainty import uncertainty
 
 AT_ONCE = "the time it would take to answer is not told from none"
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.autoregression import autocovariance, levinson
+from bondgraph.fitting.certainty.autoregression import autocovariance, levinson
 
 Array = NDArray[np.float64]
 MOST_ORDER = 12

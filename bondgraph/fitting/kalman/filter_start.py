@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.errors import FitError, did_you_mean
-from bondgraph.fitting.filter_setting import Filtered, Setting, Unknowns
-from bondgraph.fitting.filtering import filtered
 from bondgraph.fitting.first_states import first_guess
 from bondgraph.fitting.growing import cut_finer
 from bondgraph.fitting.horizon import SHORTEST, WholeRecordings, cut
-from bondgraph.fitting.kalman_choices import KalmanFilter
+from bondgraph.fitting.kalman.filter_setting import Filtered, Setting, Unknowns
+from bondgraph.fitting.kalman.filtering import filtered
+from bondgraph.fitting.kalman.kalman_choices import KalmanFilter
 from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.fitting.posing import pose, prepare
 from bondgraph.fitting.problem import FitProblem, Linearisation

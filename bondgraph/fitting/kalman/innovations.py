@@ -19,14 +19,14 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.filter_setting import Setting
-from bondgraph.fitting.filter_start import best_noise, filter_starts
-from bondgraph.fitting.kalman_choices import Extended, KalmanFilter
+from bondgraph.fitting.certainty.whiteness import ljung_box
+from bondgraph.fitting.kalman.filter_setting import Setting
+from bondgraph.fitting.kalman.filter_start import best_noise, filter_starts
+from bondgraph.fitting.kalman.kalman_choices import Extended, KalmanFilter
 from bondgraph.fitting.problem import FitProblem, truncated_inverse
 from bondgraph.fitting.result import Estimate
 from bondgraph.fitting.scoring import Climbed, climb
 from bondgraph.fitting.settings import FitSettings
-from bondgraph.fitting.whiteness import ljung_box
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
 

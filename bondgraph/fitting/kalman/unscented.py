@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.kalman_choices import Unscented
+from bondgraph.fitting.kalman.kalman_choices import Unscented
 from bondgraph.fitting.problem import FitProblem
 from bondgraph.numeric.states_read import with_states_read
 from bondgraph.simulation.shooting import Shots, shoot

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.errors import FitError, did_you_mean
+from bondgraph.fitting.certainty.uncertainty import Uncertainty, uncertainty
 from bondgraph.fitting.fitted import FittedModel
 from bondgraph.fitting.levenberg_marquardt import Optimum, minimise
 from bondgraph.fitting.result import FitResult
-from bondgraph.fitting.uncertainty import Uncertainty, uncertainty
 
 Array = NDArray[np.float64]
 FARTHEST = 100.0

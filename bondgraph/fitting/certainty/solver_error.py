@@ -12,11 +12,11 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.fitting.certainty.uncertainty import projected
 from bondgraph.fitting.levenberg_marquardt import Optimum
 from bondgraph.fitting.noise import whitened
 from bondgraph.fitting.overflow import without_overflow
 from bondgraph.fitting.problem import FitProblem, parts
-from bondgraph.fitting.uncertainty import projected
 from bondgraph.simulation.shooting import shoot
 
 Array = NDArray[np.float64]

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.colour import Colour, colour_of
-from bondgraph.fitting.combinations import FLAT, flat_directions, size_of
+from bondgraph.fitting.certainty.colour import Colour, colour_of
+from bondgraph.fitting.certainty.combinations import FLAT, flat_directions, size_of
 from bondgraph.fitting.levenberg_marquardt import Optimum
 from bondgraph.fitting.loss import mean_curvature, weight_of
 from bondgraph.fitting.noise import whitened

@@ -14,7 +14,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.combinations import Local, combination_sentences
+from bondgraph.fitting.certainty.combinations import Local, combination_sentences
 from bondgraph.fitting.horizon import WholeRecordings, cut
 from bondgraph.fitting.posing import pose, prepare
 from bondgraph.fitting.problem import (

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.kalman_choices import Extended, KalmanFilter
+from bondgraph.fitting.kalman.kalman_choices import Extended, KalmanFilter
+from bondgraph.fitting.kalman.unscented import Beliefs
 from bondgraph.fitting.problem import FitProblem
-from bondgraph.fitting.unscented import Beliefs
 from bondgraph.simulation.shooting import Shots
 
 Array = NDArray[np.float64]

@@ -9,16 +9,21 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.filter_setting import (
+from bondgraph.fitting.kalman.filter_setting import (
     Filtered,
     Setting,
     Unknowns,
     process_of,
     starts_of,
 )
-from bondgraph.fitting.kalman_choices import Unscented
-from bondgraph.fitting.unscented import Beliefs, points, regressed, simulated
-from bondgraph.fitting.unscented_filter import Belief, Plane, carried_on, taken_in
+from bondgraph.fitting.kalman.kalman_choices import Unscented
+from bondgraph.fitting.kalman.unscented import Beliefs, points, regressed, simulated
+from bondgraph.fitting.kalman.unscented_filter import (
+    Belief,
+    Plane,
+    carried_on,
+    taken_in,
+)
 
 Array = NDArray[np.float64]
 Planes = Callable[[int, Belief], Plane]

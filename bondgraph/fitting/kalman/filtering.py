@@ -12,18 +12,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.filter_setting import (
+from bondgraph.fitting.first_states import first_guess
+from bondgraph.fitting.growing import cut_finer
+from bondgraph.fitting.horizon import SHORTEST
+from bondgraph.fitting.kalman.filter_setting import (
     Filtered,
     Setting,
     Unknowns,
     process_of,
     starts_of,
 )
-from bondgraph.fitting.first_states import first_guess
-from bondgraph.fitting.growing import cut_finer
-from bondgraph.fitting.horizon import SHORTEST
-from bondgraph.fitting.kalman_choices import Extended, Unscented
-from bondgraph.fitting.point_filter import filtered_by_points
+from bondgraph.fitting.kalman.kalman_choices import Extended, Unscented
+from bondgraph.fitting.kalman.point_filter import filtered_by_points
 from bondgraph.fitting.settling import settle
 from bondgraph.numeric.states_read import with_states_read
 from bondgraph.simulation.shooting import shoot
@@ -71,7 +71,7 @@ def _first_states(setting: Setting) -> Array:
 
 def _once(setting: Setting, at: Unknowns, around: Array) -> Filtered:
     """Simulate from the points `around` and filter along these transitions."""
-    from bondgraph.fitting.kalman_filter import run_filter  # noqa: PLC0415  (numba)
+    from bondgraph.fitting.kalman.kalman_filter import run_filter  # noqa: PLC0415  (numba)
 
     problem, pairs = setting.problem, setting.pairs
     shot = shoot(

@@ -1,0 +1,1 @@
+"""What recordings tell of the estimates: errors, combinations, profiles."""
