@@ -65,7 +65,9 @@ def test_a_parameter_at_its_bound_is_told(told):
 
 
 def test_what_inputs_do_between_samples_is_chosen_and_told(told):
-    assert "held between samples, as fits better (--hold zero)" in told(10.0, 25)
+    said = "held between samples, as commands in steps are (--hold zero)"
+    assert said in told(10.0, 25)
+    assert "held between samples, since that fits better" in told(10.0, 1)
     said = told(10.0, 25, "--hold", "first")
     assert "between samples" not in said
 
@@ -74,6 +76,12 @@ def test_windows_do_not_hide_what_whole_recordings_are_missed_by(told):
     short = told(10.0, 25, "--hold", "zero", "--window", "0.2")
     assert "Error over windows of " in short
     assert short.count("Error over whole recordings") == 1
+    assert "Mind that number first" not in short
     whole = told(10.0, 25, "--hold", "zero", "--window", "whole")
     assert "windows" not in whole
     assert whole.count("Error over whole recordings") == 1
+
+
+def test_an_error_that_adds_up_beyond_a_window_is_pointed_out(told):
+    said = told(0.8, 25, "--hold", "zero", "--window", "0.2")
+    assert "Mind that number first" in said

@@ -4,6 +4,7 @@ import inspect
 from itertools import product
 from pathlib import Path
 
+import sympy
 from physics_machines import MACHINES
 
 from bondgraph.physics.hypothesis import Hypothesis, Passivity
@@ -11,6 +12,7 @@ from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.places.base import Place
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
+from bondgraph.structure.signals import signals_in
 
 PAGE = Path(__file__).parent.parent / "docs" / "physics_library.md"
 POWER = {
@@ -29,10 +31,9 @@ def table() -> str:
             for hypothesis in physics.propose(place):
                 row = found.setdefault(type(physics).__name__, [])
                 row.append((place, hypothesis))
-    rows = [
-        "| Word | What | At | Parameters | Power | Looks like; taken for | After |",
-        "| --- | --- | --- | --- | --- | --- | --- |",
-    ]
+    heads = "Word What Law At Parameters Power Looks After".split()
+    heads[-2] = "Looks like; taken for"
+    rows = [f"| {' | '.join(heads)} |", f"| {' | '.join(len(heads) * ['---'])} |"]
     for physics in LIBRARY:
         proposed = found[type(physics).__name__]
         doc = inspect.getdoc(type(physics)) or ""
@@ -41,6 +42,7 @@ def table() -> str:
         cells = (
             f"`{physics.word}`",
             doc.splitlines()[0].rstrip("."),
+            _law(place, hypothesis),
             ", ".join(at),
             "; ".join(_parameters(place, hypothesis)),
             POWER[physics.passivity],
@@ -54,6 +56,17 @@ def table() -> str:
 def _kind(place: Place) -> str:
     name = type(place).__name__.removesuffix("Place")
     return {"OneJunction": "1", "ZeroJunction": "0"}.get(name, name.lower())
+
+
+def _law(place: Place, hypothesis: Hypothesis) -> str:
+    """Return the law with names as in the column of parameters, sharp where it is."""
+    if not all(place.graph.has_place(one.place) for one in signals_in(hypothesis.law)):
+        return "by a state of its own"
+    if hypothesis.physics == "unknown_relation":
+        return "any curve"
+    law = sympy.sstr(sympy.N(hypothesis.law, 3))
+    law = law.replace(f"_{place.name}", "").replace("tanh(f/slip_flow)", "sign(f)")
+    return f"`{law}`"
 
 
 def _parameters(place: Place, hypothesis: Hypothesis) -> list[str]:

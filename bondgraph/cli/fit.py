@@ -109,7 +109,7 @@ def command(
         session.say()
     session.say("\n".join(known(result, whole, graph, bound)))
     if either_hold:
-        session.say("\n".join(hold_words(fitted)))
+        session.say("\n".join(hold_words(fitted, bound)))
     if result.unidentifiable:
         session.hint(
             "What is known of a parameter beforehand may be said in the model: "

@@ -8,6 +8,7 @@ from bondgraph.fitting.certainty.solver_error import SolverError, SolverErrorSta
 from bondgraph.fitting.fitted import FittedModel
 from bondgraph.fitting.result import FitResult, Score
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.commands import go_in_steps
 from bondgraph.reporting.diagnosis_json import json_value
 from bondgraph.reporting.model_text import to_python
 from bondgraph.reporting.tables import INTERVAL
@@ -19,6 +20,9 @@ from bondgraph.reporting.wording import (
 )
 from bondgraph.simulation.solvers import Hold
 from bondgraph.structure.graph import FinishedGraph
+
+ADDS_UP = 3.0
+"""Times the error over windows, from which the one over whole recordings is another."""
 
 
 def intervals(result: FitResult) -> Iterator[str]:
@@ -46,6 +50,11 @@ def known(
         yield _score_words(windows, result.score, units)
         if whole is not None:
             yield _score_words("over whole recordings", whole, units)
+            if whole.nrmse > ADDS_UP * result.score.nrmse:
+                yield (
+                    "Windows begin anew at what was measured: what adds up over longer "
+                    "shows in whole recordings only. Mind that number first."
+                )
     yield from dict.fromkeys(note for one in bound for note in one.notes)
     yield from _at_bounds(result)
     for name, phi in result.correlation.items():
@@ -61,12 +70,18 @@ def known(
         yield error.status.value
 
 
-def hold_words(fitted: FittedModel) -> Iterator[str]:
+def hold_words(
+    fitted: FittedModel, recordings: Sequence[BoundRecording]
+) -> Iterator[str]:
     """Yield what its inputs were taken to do between samples, where it has any."""
     if fitted.problem.model.input_names and fitted.problem.model.n_states:
         way = fitted.problem.hold
-        option = "--hold " + ("zero" if way is Hold.ZERO else "first")
-        yield f"Inputs are {way.value} between samples, as fits better ({option})."
+        held = way is Hold.ZERO
+        option = "--hold zero" if held else "--hold first"
+        alike = "as commands in steps are" if held else "as readings are"
+        expected = held is go_in_steps(recordings)
+        why = alike if expected else "since that fits better"
+        yield f"Inputs are taken to be {way.value} between samples, {why} ({option})."
 
 
 def profile_words(one: Profile) -> str:
