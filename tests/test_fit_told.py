@@ -16,7 +16,7 @@ def cart():
     g = BondGraph("cart", domain="translation")
     g.one("cart", Se("force"), I("mass"), R("viscous"))
     g.measure("velocity", flow="cart")
-    g.parameter("mass", 1.9, "kg", bounds=(0.5, HIGH))
+    g.parameter("mass", START, "kg", bounds=(0.5, HIGH))
     g.parameter("viscous", 0.8, "N*s/m", bounds=(0.0, 10.0))
     return g
 '''
@@ -42,7 +42,8 @@ def recorded(path, every):
 def told(tmp_path):
     def fitted(high, every, *options):
         model = tmp_path / "cart.py"
-        model.write_text(MODEL.replace("HIGH", str(high)), "utf-8")
+        text = MODEL.replace("HIGH", str(high)).replace("START", str(min(high, 1.9)))
+        model.write_text(text, "utf-8")
         run = recorded(tmp_path / "run.csv", every)
         words = ["fit", str(model), str(run), *options]
         result = CliRunner().invoke(program, words, catch_exceptions=False)
