@@ -123,7 +123,8 @@ class AddedCompliance(AbstractPhysics):
             return
         if place.has_free_linear(Compliance):
             return
-        some = 0.1 * place.displacement / place.effort
+        low, high = place.scales.range_of(f"{E}({place.name})", place.effort)
+        some = 0.1 * place.displacement / (high - low)  # An effort may be far from 0.
         starts = (1e-3 * some, 0.1 * some, some)
         c = place.shape("added_compliance", place.unit(Q, E), starts, low=1e-4 * some)
         element = Compliance(place.name_of("added_compliance"))

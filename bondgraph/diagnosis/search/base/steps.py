@@ -70,7 +70,7 @@ def coarser(problem: FitProblem, optimum: Optimum) -> Solver:
     while solver.substeps > 1:
         fewer = replace(solver, substeps=solver.substeps // 2)
         stepped = replace(problem, solver=fewer)
-        if not _is_fine(stepped, optimum.theta, optimum.initial, here):
+        if not is_fine(stepped, optimum.theta, optimum.initial, here):
             break
         solver = fewer
     return solver
@@ -86,7 +86,7 @@ def faithful(
     """Fit, by an implicit method where the explicit one is not to be trusted."""
     if isinstance(problem.solver, RungeKutta4):
         here = linearise_windows(problem, theta, initial)
-        if _is_fine(problem, theta, initial, here):
+        if is_fine(problem, theta, initial, here):
             found = minimise(
                 problem,
                 theta,
@@ -96,7 +96,7 @@ def faithful(
                 settled=here,
             )
             at = found.theta, found.initial
-            if not found.lost and _is_fine(problem, *at, found.linearisation):
+            if not found.lost and is_fine(problem, *at, found.linearisation):
                 return Faithful(found, problem.solver)
             theta, initial = at
         problem = replace(problem, solver=Sdirk2(problem.solver.substeps))
@@ -106,7 +106,7 @@ def faithful(
     return Faithful(found, problem.solver)
 
 
-def _is_fine(
+def is_fine(
     problem: FitProblem, theta: Array, initial: Array, here: Linearisation
 ) -> bool:
     """Return whether the error of a step decides nothing about a candidate."""

@@ -11,12 +11,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.search.base.steps import is_fine
 from bondgraph.diagnosis.search.trials.posing import initial_states
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.problem import FitProblem, linearise_windows
 from bondgraph.fitting.settling import settle
 from bondgraph.numeric.model import evaluate
-from bondgraph.simulation.solvers import Sdirk2
+from bondgraph.simulation.solvers import RungeKutta4, Sdirk2
 
 Array = NDArray[np.float64]
 SETTLE_ITERATIONS = 4
@@ -29,7 +30,13 @@ def settled(base: FittedModel, problem: FitProblem, theta: Array) -> Array:
     initial = initial_states(base, problem.model.state_names)
     if not _new_states(base, problem).size:
         return initial
-    return settle(problem, theta, initial, SETTLE_ITERATIONS)[0]
+    states, there = settle(problem, theta, initial, SETTLE_ITERATIONS)
+    explicit = isinstance(problem.solver, RungeKutta4)
+    if explicit and not is_fine(problem, theta, states, there):
+        # Steps that a stiff state outruns tell nothing of where it begins.
+        implicit = replace(problem, solver=Sdirk2(problem.solver.substeps))
+        return settle(implicit, theta, initial, SETTLE_ITERATIONS)[0]
+    return states
 
 
 def without_effect(base: FittedModel, problem: FitProblem, theta: Array) -> Array:

@@ -91,8 +91,9 @@ def promise(baseline: Baseline, trial: Trial) -> Plain:
     Where the base model is nested in it, by a score test: one simulation for each of
     the starts at which it has no effect (shape parameters are tried at several values:
     Davies, Biometrika 64, 1977), with what it promises of surrogates of the residual.
-    A law that waits for something to be reached shows nothing there; what its starts
-    take away as they are counts as well. Else, what a few steps of a fit reach.
+    A law that waits for something to be reached shows nothing there, and a storage of
+    next to nothing is filled within a step; what their starts take away as they are
+    counts as well. Else, what a few steps of a fit reach.
     ``order`` tells which of the starts promise most.
     """
     if trial.hypothesis.silent_starts:
@@ -114,7 +115,7 @@ def _scored(baseline: Baseline, trial: Trial) -> Plain:
     ]
     promised = [score.promised for score in scores]
     order = sorted(range(len(scores)), key=lambda i: -promised[i])
-    if hypothesis.waits:
+    if hypothesis.waits or not hypothesis.strengths:
         promised.append(_at_its_starts(baseline.fitted, trial))
     chance = np.max([score.by_chance for score in scores], axis=0)
     return {
