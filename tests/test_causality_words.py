@@ -191,8 +191,8 @@ def test_the_same_holds_of_compliances_with_and_without_a_law() -> None:
 
 
 RESISTANCES = {
-    "never": a * f**5 + f,  # effort only, never solved for the flow
-    "seldom": b * sympy.tanh(a * f),
+    "level": b * sympy.tanh(a * f),  # of an effort beyond b there is no flow
+    "rising": a * f**5 + f,  # solved for the flow by iteration only
     "linear": a * f,
     "plain": None,
 }

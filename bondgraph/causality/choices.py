@@ -167,12 +167,19 @@ def _ease_of_form(law: sympy.Expr, argument: sympy.Symbol, output: sympy.Symbol)
     return 0 if inverse(law, argument, output) is None else 1
 
 
+_LEVEL = (sympy.Max, sympy.Min, sympy.Piecewise, sympy.sign, sympy.tanh)
+"""A law of these is level somewhere, or nearly: no value of it tells its argument."""
+
+
 def _flexibility(resistance: Resistance) -> int:
     """Return how gladly a resistance works either way.
 
     A law that is written keeps the direction it is written in, where it can: solved for
-    the other variable, a friction that happens to be zero would be divided by.
+    the other variable, a friction that happens to be zero would be divided by. Least
+    gladly one that is level somewhere: beside one that only rises, that is solved.
     """
     if resistance.law is None:
-        return 3
-    return min(_ease(resistance, resistance.relation.argument), 2)
+        return 4
+    if resistance.law.has(*_LEVEL):
+        return 0
+    return 1 + _ease(resistance, resistance.relation.argument)
