@@ -108,6 +108,13 @@ class Hypothesis:
         return bool(reached) and bool(self.law.has(sympy.Max))
 
     @property
+    def is_never_none(self) -> bool:
+        """Whether its weakest start has some effect still: a storage, however small."""
+        return not self.strengths or any(
+            all(start[name] != 0.0 for start in self.starts) for name in self.strengths
+        )
+
+    @property
     def silent_starts(self) -> tuple[Mapping[str, float], ...]:
         """The starts that leave the base model as it is, whose slopes tell promise."""
         if not self.strengths:
