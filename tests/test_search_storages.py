@@ -1,4 +1,4 @@
-"""A storage that the model lacks: nearly empty it promises nothing, a larger one does."""
+"""A storage that the model lacks: nearly empty it promises nothing, larger it does."""
 
 import numpy as np
 import pytest
