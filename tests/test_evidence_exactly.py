@@ -20,7 +20,6 @@ from judged_candidates import (
 from scipy import stats
 
 from bondgraph.diagnosis.candidates import CURVE
-from bondgraph.diagnosis.evidence import judging
 from bondgraph.diagnosis.evidence.confidence import winning_shares
 from bondgraph.diagnosis.evidence.decision import (
     ALIKE,
@@ -44,6 +43,7 @@ from bondgraph.diagnosis.evidence.left_out import (
 )
 from bondgraph.diagnosis.evidence.surprise import surprise
 from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.trials import judging
 from bondgraph.fitting.certainty.colour import MOST_ORDER, colour_of
 from bondgraph.fitting.horizon import SHORTEST, Windows
 

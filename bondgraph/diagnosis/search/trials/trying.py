@@ -115,7 +115,7 @@ def _scored(baseline: Baseline, trial: Trial) -> Plain:
     ]
     promised = [score.promised for score in scores]
     order = sorted(range(len(scores)), key=lambda i: -promised[i])
-    if hypothesis.waits or hypothesis.is_never_none:
+    if hypothesis.waits or (hypothesis.is_never_none and not follows):
         promised.append(_at_its_starts(baseline.fitted, trial))
     chance = np.max([score.by_chance for score in scores], axis=0)
     return {
