@@ -23,6 +23,7 @@ from bondgraph import (
     q,
 )
 from bondgraph.errors import CausalConflictError
+from bondgraph.fitting.estimate import prepare
 
 a, b = sympy.symbols("a b", real=True)
 FREE_ONE = "Change or free one of the elements named here."
@@ -321,3 +322,17 @@ def test_the_ports_of_a_resistive_field_are_chosen_with_their_names() -> None:
     causality = assign_causality(field_graph(field, R("s")).finish())
     assert set(causality.arbitrary) <= {"s", "r", "w[1]", "w[2]"}
     assert causality.arbitrary
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_beside_a_limit_the_law_that_rises_is_solved(order) -> None:
+    limit = b * (f - sympy.Max(-a, sympy.Min(f, a)))
+    ports = [R("tube", law=a * f + b * f * sympy.Abs(f)), R("limit", law=limit)]
+    graph = BondGraph("lung")
+    graph.one("airway", Se("push"), *ports[::order], C("lung"))
+    for name in "ab":
+        graph.parameter(name, 1.0, bounds=(0, 10))
+    graph.parameter("lung", 1.0, "m/N")
+    graph.measure("flow", flow="airway")
+    assert assign_causality(graph.finish()).arbitrary == ("limit",)
+    assert prepare(graph.finish()).n_states == 1  # It has equations.

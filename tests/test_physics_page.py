@@ -15,6 +15,10 @@ from bondgraph.physics.places.scales import Scales
 from bondgraph.structure.signals import signals_in
 
 PAGE = Path(__file__).parent.parent / "docs" / "physics_library.md"
+HEADS = (
+    *("Word", "What", "Law", "At", "Parameters", "Power"),
+    *("Looks like; taken for", "After"),
+)
 POWER = {
     Passivity.DISSIPATIVE: "takes",
     Passivity.STORING: "stores",
@@ -31,9 +35,7 @@ def table() -> str:
             for hypothesis in physics.propose(place):
                 row = found.setdefault(type(physics).__name__, [])
                 row.append((place, hypothesis))
-    heads = "Word What Law At Parameters Power Looks After".split()
-    heads[-2] = "Looks like; taken for"
-    rows = [f"| {' | '.join(heads)} |", f"| {' | '.join(len(heads) * ['---'])} |"]
+    rows = [f"| {' | '.join(HEADS)} |", f"| {' | '.join(len(HEADS) * ['---'])} |"]
     for physics in LIBRARY:
         proposed = found[type(physics).__name__]
         doc = inspect.getdoc(type(physics)) or ""

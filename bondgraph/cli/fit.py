@@ -107,9 +107,8 @@ def command(
     if ends and (INTERVAL not in table or session.verbose):
         session.say(ends)
         session.say()
-    session.say("\n".join(known(result, whole, graph, bound)))
-    if either_hold:
-        session.say("\n".join(hold_words(fitted, bound)))
+    chosen = hold_words(fitted, bound) if either_hold else ()
+    session.say("\n".join((*known(result, whole, graph, bound), *chosen)))
     if result.unidentifiable:
         session.hint(
             "What is known of a parameter beforehand may be said in the model: "

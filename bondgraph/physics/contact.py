@@ -123,7 +123,7 @@ class AddedCompliance(AbstractPhysics):
             return
         if place.has_free_linear(Compliance):
             return
-        low, high = place.scales.range_of(f"{E}({place.name})", place.effort)
+        low, high = place.effort_range
         some = 0.1 * place.displacement / (high - low)  # An effort may be far from 0.
         starts = (1e-3 * some, 0.1 * some, some)
         c = place.shape("added_compliance", place.unit(Q, E), starts, low=1e-4 * some)

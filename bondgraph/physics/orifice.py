@@ -122,7 +122,7 @@ class Overflow(AbstractPhysics):
     def _over(
         self, place: ZeroJunctionPlace, *, power: sympy.Expr, below: str | None
     ) -> Hypothesis:
-        low, high = place.scales.range_of(f"{E}({place.name})", place.effort)
+        low, high = place.effort_range
         bottom = max(low, 0.0) if high > 0.0 else low
         levels = tuple(bottom + share * (high - bottom) for share in self.shares)
         none = (0.0,) * len(levels)

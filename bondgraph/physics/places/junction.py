@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from bondgraph.physics.places.base import Coefficient, F, P, Place, Q
+from bondgraph.physics.places.base import Coefficient, E, F, P, Place, Q
 from bondgraph.physics.places.displacements import known_displacement
 from bondgraph.physics.places.scales import Scales
 from bondgraph.structure.domains import EnergyDomain, Quantity
@@ -153,6 +153,11 @@ class OneJunctionPlace(JunctionPlace):
 @dataclass(frozen=True, slots=True)
 class ZeroJunctionPlace(JunctionPlace):
     """A 0-junction: what hangs there shares its effort and takes a flow."""
+
+    @property
+    def effort_range(self) -> tuple[float, float]:
+        """The least and the largest effort here; about ± 1.5 sizes where unknown."""
+        return self.scales.range_of(f"{E}({self.name})", self.effort)
 
 
 def junction_place(graph: FinishedGraph, name: str, scales: Scales) -> JunctionPlace:
