@@ -232,8 +232,9 @@ def _channel(
             f"{name!r} of the model is in {unit!r}, and channel {wanted!r} of "
             f"{recording.name!r} is in {channel.unit!r}, which does not convert to it.",
             (recording.name, name, wanted),
-            "Correct the unit in the header, the domain of the model, or name the unit "
-            "of a measured formula: measure(name, formula, unit=...).",
+            "Correct the unit in the header or the domain of the model, map the "
+            f"channel with another unit ({name}={wanted}[{unit}]), or name that of a "
+            "measured formula: measure(name, formula, unit=...).",
         ) from error
     return channel.to(unit)
 
