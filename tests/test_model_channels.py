@@ -51,7 +51,7 @@ def test_a_unit_that_the_author_gave_is_checked_in_the_analogue_domain():
 def test_a_wrong_unit_is_refused_where_the_domain_has_one():
     with pytest.raises(RecordingError, match="does not convert") as caught:
         bind_to(cart("translation").finish(), pixels())
-    assert "(position=position[m])" in str(caught.value)  # The way out can be typed.
+    assert "(force=force[N])" in str(caught.value)  # The way out can be typed.
 
 
 def test_reading_converts_to_the_model_s_units_and_leaves_the_rest(tmp_path):
