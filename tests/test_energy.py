@@ -7,13 +7,13 @@ import pytest
 import sympy
 from catalogue import CASES, Case, agree, expression, random_graph, somewhere
 
-from bondgraph.equations.derivation import derive
-from bondgraph.equations.energy import BalanceStatus, energy
+from bondgraph.equations.deriving.derivation import derive
+from bondgraph.equations.deriving.inversion import Laws
 from bondgraph.equations.insertion import signal_values
-from bondgraph.equations.inversion import Laws
-from bondgraph.equations.power_proof import PowerProof
+from bondgraph.equations.power.energy import BalanceStatus, energy
+from bondgraph.equations.power.power_proof import PowerProof
+from bondgraph.equations.power.stored_energy import EnergyForm, energy_function
 from bondgraph.equations.reduction import reduce
-from bondgraph.equations.stored_energy import EnergyForm, energy_function
 from bondgraph.errors import BondGraphError, EquationError
 from bondgraph.structure.builder import BondGraph
 from bondgraph.structure.elements import TF, C, I, R, Se, Sf

@@ -7,15 +7,21 @@ import pytest
 import sympy
 from sympy import Abs, Max, Rational, cosh, exp, log, sign, sin, tanh
 
-from bondgraph.equations import factors
+from bondgraph.equations.algebra import factors
+from bondgraph.equations.algebra.elimination import eliminated, reduced
+from bondgraph.equations.algebra.factors import (
+    Factor,
+    factored,
+    monic,
+    polynomial,
+    product,
+)
+from bondgraph.equations.algebra.pieces import joints_of
 from bondgraph.equations.chain_rule import derivative
-from bondgraph.equations.elimination import eliminated, reduced
-from bondgraph.equations.factors import Factor, factored, monic, polynomial, product
-from bondgraph.equations.inversion import _by_cosh, _is_squared_tanh
-from bondgraph.equations.pieces import joints_of
-from bondgraph.equations.singularity import _Sum, _undetermined
-from bondgraph.equations.stored_energy import _antiderivative, _vanishes
-from bondgraph.equations.transfer_function import s
+from bondgraph.equations.deriving.inversion import _by_cosh, _is_squared_tanh
+from bondgraph.equations.deriving.singularity import _Sum, _undetermined
+from bondgraph.equations.power.stored_energy import _antiderivative, _vanishes
+from bondgraph.equations.transfer.transfer_function import s
 
 x, y, a, b, c = sympy.symbols("x y a b c", real=True)
 PLACES = (-2.7, -1.3, -0.4, 0.3, 0.8, 1.9, 3.1)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from bondgraph import TF, BondGraph, C, FinishedGraph, I, R, Se, Sf
 from bondgraph.cli.program import program
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.errors import EquationError
 from bondgraph.numeric.model import NumericModel, compile_model, evaluate

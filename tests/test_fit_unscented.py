@@ -20,7 +20,7 @@ from bondgraph import (
     f,
     q,
 )
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.fitting.kalman.filter_setting import Unknowns
 from bondgraph.fitting.kalman.filter_start import filter_starts
 from bondgraph.fitting.kalman.filtering import filtered

@@ -27,7 +27,7 @@ from bondgraph import (
     steady_state,
     to_nonlinear_io,
 )
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.errors import EquationError
 from bondgraph.numeric.model import compile_model
 from bondgraph.simulation.engines import Interpreted, Native

@@ -7,8 +7,8 @@ import pytest
 import sympy
 from catalogue import CASES, Case, agree, expression, somewhere
 
-from bondgraph.equations.derivation import derive
-from bondgraph.equations.invariants import invariants
+from bondgraph.equations.deriving.derivation import derive
+from bondgraph.equations.power.invariants import invariants
 from bondgraph.equations.reduction import reduce
 from bondgraph.structure.builder import BondGraph
 from bondgraph.structure.elements import GY, TF, C, I, R, Se, Sf

@@ -11,7 +11,7 @@ from sympy import Abs, Heaviside, Max, Min, Mod, Piecewise, floor, sign, tanh
 
 from bondgraph import BondGraph, I, R, Se, Sf, derive, simulate_inputs
 from bondgraph.equations.chain_rule import derivative
-from bondgraph.equations.inversion import Laws
+from bondgraph.equations.deriving.inversion import Laws
 from bondgraph.equations.reduction import reduce
 from bondgraph.errors import EquationError
 from bondgraph.simulation.trouble import RunStatus

@@ -26,7 +26,7 @@ from bondgraph import (
     linearise,
     q,
 )
-from bondgraph.equations.transfer_function import s
+from bondgraph.equations.transfer.transfer_function import s
 from bondgraph.errors import (
     CausalConflictError,
     EquationError,

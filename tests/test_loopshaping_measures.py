@@ -10,7 +10,7 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bondgraph.equations.transfer_function import TransferFunction
+from bondgraph.equations.transfer.transfer_function import TransferFunction
 from bondgraph.errors import LoopShapingError
 from bondgraph.loading import load_model
 from bondgraph.loopshaping.loop import Loop, to_python_control, zero_pole_gain

@@ -9,8 +9,8 @@ from scipy.signal import lsim
 from scipy.stats import binom
 
 from bondgraph import BondGraph, I, R, Recording, Se, bind_to, fit
-from bondgraph.equations.derivation import derive
-from bondgraph.equations.linear import linearise
+from bondgraph.equations.deriving.derivation import derive
+from bondgraph.equations.transfer.linear import linearise
 from bondgraph.errors import LoopShapingError, ParameterError
 from bondgraph.loopshaping.loop import Loop, zero_pole_gain
 from bondgraph.loopshaping.requirements import PeakSensitivity, PhaseMargin

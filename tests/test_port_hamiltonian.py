@@ -6,9 +6,9 @@ import pytest
 import sympy
 from catalogue import CASES, Case, agree, expression, random_graph, somewhere
 
-from bondgraph.equations.derivation import derive
-from bondgraph.equations.energy import energy
-from bondgraph.equations.port_hamiltonian import PortHamiltonian, port_hamiltonian
+from bondgraph.equations.deriving.derivation import derive
+from bondgraph.equations.power.energy import energy
+from bondgraph.equations.power.port_hamiltonian import PortHamiltonian, port_hamiltonian
 from bondgraph.equations.reduction import reduce
 from bondgraph.errors import BondGraphError
 from bondgraph.structure.builder import BondGraph

@@ -3,8 +3,8 @@
 import pytest
 import sympy
 
-from bondgraph.equations.inversion import Laws
-from bondgraph.equations.port_laws import port_law
+from bondgraph.equations.deriving.inversion import Laws
+from bondgraph.equations.power.port_laws import port_law
 from bondgraph.errors import EquationError
 from bondgraph.structure.builder import BondGraph
 from bondgraph.structure.elements import C, I, Se

@@ -6,7 +6,7 @@ import sympy
 from catalogue import CASES, agree, expression
 
 from bondgraph import BondGraph, C, I, ParameterSet, R, Se, derive, linearise
-from bondgraph.equations.sensitivities import (
+from bondgraph.equations.transfer.sensitivities import (
     PoleStatus,
     Sensitivity,
     _lines,

@@ -6,7 +6,7 @@ import sympy
 from scipy.integrate import solve_ivp
 
 from bondgraph import TF, BondGraph, C, I, R, Sdirk2, Sdirk3, Se, Sf, effort, f, flow
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.numeric.model import compile_model
 from bondgraph.simulation.engines import Interpreted, Native
 from bondgraph.simulation.shooting import Shots, shoot

@@ -6,7 +6,7 @@ import sympy
 from scipy.integrate import solve_ivp
 
 from bondgraph import BondGraph, C, I, R, RField, Sdirk2, Sdirk3, Se, f, ports
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.numeric.model import compile_model
 from bondgraph.simulation.accuracy import halved_step_difference
 from bondgraph.simulation.run import simulate_inputs

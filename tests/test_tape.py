@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bondgraph import BondGraph, I, R, Se, f
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.errors import EquationError
 from bondgraph.numeric.model import compile_model, evaluate
 from bondgraph.numeric.tape import Op, record_tape

@@ -8,10 +8,10 @@ import sympy
 from catalogue import CASES, agree, expression, random_graph, somewhere
 
 from bondgraph import BondGraph, C, FinishedGraph, I, R, Se, Sf, derive, f, linearise
-from bondgraph.equations.descriptor import descriptor
-from bondgraph.equations.factors import Factor, PoleZeroGain
-from bondgraph.equations.linear import Form
-from bondgraph.equations.transfer_function import s
+from bondgraph.equations.algebra.factors import Factor, PoleZeroGain
+from bondgraph.equations.transfer.descriptor import descriptor
+from bondgraph.equations.transfer.linear import Form
+from bondgraph.equations.transfer.transfer_function import s
 from bondgraph.errors import BondGraphError, EquationError
 
 LINEAR = pytest.mark.parametrize(

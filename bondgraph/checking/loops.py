@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from math import isfinite
 
 from bondgraph.checking.records import Check, CheckedQuantity
-from bondgraph.equations.transfer_function import TransferFunction
+from bondgraph.equations.transfer.transfer_function import TransferFunction
 from bondgraph.errors import CheckError
 from bondgraph.loopshaping.loop import Loop, zero_pole_gain
 from bondgraph.loopshaping.measures import LoopMeasures, measure

@@ -17,9 +17,9 @@ from bondgraph.checking.records import (
     Nearest,
     Selection,
 )
-from bondgraph.equations.derivation import derive
-from bondgraph.equations.linear import LinearSystem, linearise
-from bondgraph.equations.transfer_function import TransferFunction
+from bondgraph.equations.deriving.derivation import derive
+from bondgraph.equations.transfer.linear import LinearSystem, linearise
+from bondgraph.equations.transfer.transfer_function import TransferFunction
 from bondgraph.errors import BondGraphError, CheckError, did_you_mean
 from bondgraph.loading import load_model, load_object
 from bondgraph.structure.graph import FinishedGraph

@@ -10,16 +10,16 @@ from bondgraph.causality.records import CausalAssignment
 from bondgraph.cli.command import Command, json_option
 from bondgraph.cli.inputs import model_argument, read_model
 from bondgraph.cli.session import Session
-from bondgraph.equations.derivation import derive
-from bondgraph.equations.descriptor import DescriptorSystem, descriptor
-from bondgraph.equations.energy import EnergyBalance, energy
-from bondgraph.equations.invariants import Invariants, invariants
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.latex_names import latex as as_formula
-from bondgraph.equations.port_hamiltonian import PortHamiltonian, port_hamiltonian
+from bondgraph.equations.power.energy import EnergyBalance, energy
+from bondgraph.equations.power.invariants import Invariants, invariants
+from bondgraph.equations.power.port_hamiltonian import PortHamiltonian, port_hamiltonian
 from bondgraph.equations.rendering import SHORT, as_latex, as_text
-from bondgraph.equations.sensitivities import sensitivities
 from bondgraph.equations.state_equations import StateEquations
-from bondgraph.equations.transfer_function import TransferFunction
+from bondgraph.equations.transfer.descriptor import DescriptorSystem, descriptor
+from bondgraph.equations.transfer.sensitivities import sensitivities
+from bondgraph.equations.transfer.transfer_function import TransferFunction
 from bondgraph.errors import BondGraphError, EquationError, ParameterError
 from bondgraph.reporting.derived_json import (
     has_numbers,

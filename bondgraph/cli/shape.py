@@ -8,8 +8,8 @@ from bondgraph.cli.command import Command, json_option
 from bondgraph.cli.inputs import model_argument, read_model
 from bondgraph.cli.session import Session
 from bondgraph.cli.shaping_file import ShapingRequest, read_request
-from bondgraph.equations.derivation import derive
-from bondgraph.equations.linear import linearise
+from bondgraph.equations.deriving.derivation import derive
+from bondgraph.equations.transfer.linear import linearise
 from bondgraph.loopshaping.loop import zero_pole_gain
 from bondgraph.loopshaping.shaping import shape
 from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain

@@ -13,7 +13,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.state_equations import State
 from bondgraph.fitting.estimate import FittedModel, pose, prepare
 from bondgraph.fitting.horizon import Horizon, cut

@@ -11,9 +11,9 @@ from typing import Any
 
 import sympy
 
+from bondgraph.equations.algebra.rational import Row
 from bondgraph.equations.state_equations import Assignment
 
-Row = dict[sympy.Symbol, Any]
 Rows = Mapping[sympy.Symbol, Row]
 Evaluate = Callable[[sympy.Expr], Any]
 

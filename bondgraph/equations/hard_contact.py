@@ -16,8 +16,8 @@ from typing import NoReturn
 
 import sympy
 
+from bondgraph.equations.deriving.sorting import replaced
 from bondgraph.equations.insertion import rate_of
-from bondgraph.equations.sorting import replaced
 from bondgraph.equations.state_equations import Assignment, Output, StateEquations
 from bondgraph.errors import EquationError
 from bondgraph.structure.hard_contact import hard_contact

@@ -9,12 +9,12 @@ from dataclasses import replace
 
 import sympy
 
-from bondgraph.equations.derivation import derive
-from bondgraph.equations.differentiation import TimeDerivative
+from bondgraph.equations.deriving.derivation import derive
+from bondgraph.equations.deriving.differentiation import TimeDerivative
+from bondgraph.equations.deriving.sorting import replaced
+from bondgraph.equations.deriving.wires import SymbolNames
 from bondgraph.equations.reduction import reduce
-from bondgraph.equations.sorting import replaced
 from bondgraph.equations.state_equations import StateEquations
-from bondgraph.equations.wires import SymbolNames
 from bondgraph.errors import EquationError
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.graph import FinishedGraph, Measurement

@@ -10,10 +10,9 @@ from dataclasses import dataclass
 
 import sympy
 
-from bondgraph.equations.chain_rule import Row
-from bondgraph.equations.pieces import is_in_pieces
-from bondgraph.equations.rational import in_lowest_terms, solved
-from bondgraph.equations.sorting import replaced
+from bondgraph.equations.algebra.pieces import is_in_pieces
+from bondgraph.equations.algebra.rational import Row, in_lowest_terms, solved
+from bondgraph.equations.deriving.sorting import replaced
 from bondgraph.equations.state_equations import Output, StateEquations
 
 ONE = sympy.S.One

@@ -12,10 +12,10 @@ from enum import StrEnum
 
 import sympy
 
-from bondgraph.equations.pieces import is_in_pieces
-from bondgraph.equations.rational import RationalField
+from bondgraph.equations.algebra.pieces import is_in_pieces
+from bondgraph.equations.algebra.rational import RationalField
+from bondgraph.equations.deriving.sorting import replaced
 from bondgraph.equations.reduction import ReducedEquations
-from bondgraph.equations.sorting import replaced
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.errors import EquationError, did_you_mean
 

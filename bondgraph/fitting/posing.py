@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.errors import FitError
 from bondgraph.fitting.problem import FitProblem
 from bondgraph.fitting.settings import FitSettings

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from bondgraph.equations.transfer_function import TransferFunction
+from bondgraph.equations.transfer.transfer_function import TransferFunction
 from bondgraph.errors import LoopShapingError, did_you_mean
 from bondgraph.loopshaping.zero_pole_gain import (
     ComplexArray,

@@ -25,8 +25,10 @@ _HTML = {
 }
 _LATEX = {
     "bondgraph.equations.state_equations": {"StateEquations": "formulas:equations"},
-    "bondgraph.equations.linear": {"LinearSystem": "formulas:linear_system"},
-    "bondgraph.equations.transfer_function": {"TransferFunction": "formulas:transfer"},
+    "bondgraph.equations.transfer.linear": {"LinearSystem": "formulas:linear_system"},
+    "bondgraph.equations.transfer.transfer_function": {
+        "TransferFunction": "formulas:transfer"
+    },
 }
 
 

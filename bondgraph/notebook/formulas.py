@@ -3,10 +3,10 @@
 import sympy
 
 from bondgraph.equations.latex_names import latex
-from bondgraph.equations.linear import LinearSystem
 from bondgraph.equations.rendering import as_latex
 from bondgraph.equations.state_equations import StateEquations
-from bondgraph.equations.transfer_function import TransferFunction
+from bondgraph.equations.transfer.linear import LinearSystem
+from bondgraph.equations.transfer.transfer_function import TransferFunction
 
 LARGEST = 8
 """States up to which matrices are worth reading."""

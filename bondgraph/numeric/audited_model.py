@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import sympy
 
-from bondgraph.equations.derivation import derive
-from bondgraph.equations.energy import BalanceStatus, EnergyBalance, Power, energy
+from bondgraph.equations.deriving.derivation import derive
+from bondgraph.equations.power.energy import BalanceStatus, EnergyBalance, Power, energy
 from bondgraph.equations.state_equations import Output, State
 from bondgraph.numeric.model import NumericModel, compile_model
 from bondgraph.structure.domains import Quantity

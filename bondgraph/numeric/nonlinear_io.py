@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.hard_contact import refuse_hard_contact
 from bondgraph.errors import EquationError
 from bondgraph.numeric.jacobian import Array, Point, point, settled

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.equations.steady_state import SteadyState, point_values
-from bondgraph.equations.transfer_function import TransferFunction
+from bondgraph.equations.transfer.transfer_function import TransferFunction
 from bondgraph.errors import EquationError
 from bondgraph.numeric.jacobian import Matrix, Point, settled, slopes
 from bondgraph.numeric.model import NumericModel, compile_model

@@ -14,7 +14,7 @@ import sympy
 from numpy.typing import NDArray
 from scipy import sparse
 
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.hard_contact import refuse_hard_contact
 from bondgraph.equations.reduction import reduce
 from bondgraph.equations.state_equations import StateEquations

@@ -6,11 +6,11 @@ from typing import Any
 import sympy
 
 from bondgraph.causality.records import CausalAssignment
-from bondgraph.equations.energy import EnergyBalance
-from bondgraph.equations.invariants import Invariants
-from bondgraph.equations.port_hamiltonian import PortHamiltonian
+from bondgraph.equations.power.energy import EnergyBalance
+from bondgraph.equations.power.invariants import Invariants
+from bondgraph.equations.power.port_hamiltonian import PortHamiltonian
 from bondgraph.equations.state_equations import StateEquations
-from bondgraph.equations.transfer_function import TransferFunction
+from bondgraph.equations.transfer.transfer_function import TransferFunction
 from bondgraph.errors import BondGraphError
 
 

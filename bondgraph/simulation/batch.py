@@ -12,7 +12,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.errors import ParameterError, RecordingError, did_you_mean
 from bondgraph.numeric.model import NumericModel, compile_model
 from bondgraph.recordings.binding import BoundRecording

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.hard_contact import refuse_hard_contact
 from bondgraph.errors import EquationError, did_you_mean
 from bondgraph.numeric.audited_model import ACCOUNTS, AuditedModel, audited_model

@@ -12,8 +12,8 @@ from enum import StrEnum
 
 import sympy
 
-from bondgraph.equations.derivation import derive
-from bondgraph.equations.sorting import replaced
+from bondgraph.equations.deriving.derivation import derive
+from bondgraph.equations.deriving.sorting import replaced
 from bondgraph.equations.state_equations import Output, StateEquations
 from bondgraph.errors import FitError, did_you_mean
 from bondgraph.numeric.model import NumericModel, compile_model

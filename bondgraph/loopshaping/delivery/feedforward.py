@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import sympy
 
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.reduction import reduce
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.errors import LoopShapingError, ParameterError, did_you_mean

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import sympy
 
 from bondgraph.equations.chain_rule import partial_derivative
+from bondgraph.equations.deriving.wires import SymbolNames
 from bondgraph.equations.state_equations import StateEquations
-from bondgraph.equations.wires import SymbolNames
 from bondgraph.errors import EquationError
 
 Statement = tuple[sympy.Symbol, sympy.Expr]

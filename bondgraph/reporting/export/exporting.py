@@ -7,7 +7,7 @@ import json
 from dataclasses import dataclass
 from typing import assert_never
 
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.rendering import as_latex
 from bondgraph.reporting.export.c99 import RESERVED as C_WORDS
 from bondgraph.reporting.export.c99 import to_c99

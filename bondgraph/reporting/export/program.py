@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.reporting.export.calculation import Calculation, calculation
 from bondgraph.reporting.export.identifiers import Identifiers, identifier
 from bondgraph.structure.graph import FinishedGraph

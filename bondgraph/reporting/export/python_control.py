@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import sympy
 
-from bondgraph.equations.derivation import derive
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.numeric.model import compile_model
 from bondgraph.numeric.state_space import from_equations

@@ -1,0 +1,1 @@
+"""Algebra: exact work on expressions, rows and matrices, without graphs."""

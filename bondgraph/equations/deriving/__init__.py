@@ -1,0 +1,1 @@
+"""Deriving: from a finished graph to its sorted assignments, a step in each module."""

@@ -1,0 +1,1 @@
+"""Power: what storages hold, how ports are joined, and what stays constant."""

@@ -1,0 +1,1 @@
+"""Transfer: linear systems about an operating point, and their transfer functions."""
