@@ -82,7 +82,7 @@ TIME_LIMIT = "8"  # min
     help="End the search after so long; what stands by then is the answer, and the "
     "same command goes on from there.",
 )
-@fit_options(window="auto", either=True)
+@fit_options(window="auto")
 @recording_options
 @json_option
 @click.pass_obj

@@ -60,7 +60,7 @@ from bondgraph.reporting.tables import INTERVAL, estimates_table
     multiple=True,
     help="How far this parameter can move while the others follow; may be repeated.",
 )
-@fit_options(window="auto", either=True)
+@fit_options(window="auto")
 @estimation_options
 @recording_options
 @json_option

@@ -6,6 +6,7 @@ from bondgraph.fitting.certainty.identifiability import identifiability
 from bondgraph.fitting.certainty.profile import Profile
 from bondgraph.fitting.certainty.solver_error import SolverError, SolverErrorStatus
 from bondgraph.fitting.fitted import FittedModel
+from bondgraph.fitting.natural_bounds import gone
 from bondgraph.fitting.result import FitResult, Score
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.commands import go_in_steps
@@ -95,6 +96,12 @@ def profile_words(one: Profile) -> str:
 
 def _at_bounds(result: FitResult) -> Iterator[str]:
     """Yield the parameters that ended where the model lets them go no further."""
+    for name in gone(result.model, result.estimates):
+        yield (
+            f"{name} has come down to a thousandth of what is stated and would go "
+            "below zero: these recordings do not tell it, or the model has not what "
+            "the machine has."
+        )
     for one in result.estimates:
         low, high = result.model.parameters[one.name].bounds
         # A loss that has come down to none is an answer.

@@ -4,7 +4,7 @@ How long at a stretch and what lies between two samples of an input; for fits al
 a residual costs, how the noise is coloured, and from how many starts.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
 from typing import Any, TypeVar
@@ -12,14 +12,11 @@ from typing import Any, TypeVar
 import click
 
 from bondgraph.cli.command import OneOf, WholeNumber, positive_number
-from bondgraph.cli.session import Session
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.fitting.horizon import Automatic, Horizon, Seconds, WholeRecordings
 from bondgraph.fitting.loss import Huber, Loss, SquaredError, StudentT
 from bondgraph.fitting.noise import AutoregressiveNoise, Noise, WhiteNoise
 from bondgraph.fitting.starts import ManyStarts, OneStart
-from bondgraph.recordings.binding import BoundRecording
-from bondgraph.recordings.commands import go_in_steps
 from bondgraph.simulation.solvers import Hold
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -44,18 +41,16 @@ def _horizon(ctx: click.Context, param: click.Parameter, value: str) -> Horizon:
     return Seconds(seconds)
 
 
-def fit_options(*, window: str, either: bool = False) -> Callable[[F], F]:
+def fit_options(*, window: str) -> Callable[[F], F]:
     """Add ``--window`` and ``--hold``; the command gets them as ``settings``.
+
+    And ``either_hold``, whether the recordings decide how inputs are held.
 
     Parameters
     ----------
     window
         The default of ``--window``.
-    either
-        Whether ``--hold auto`` is offered and the default; the command then gets
-        ``either_hold`` as well.
     """
-    holds = [*(["auto"] if either else []), *_HOLDS]
 
     def add(command: F) -> F:
         @wraps(command)
@@ -63,18 +58,16 @@ def fit_options(*, window: str, either: bool = False) -> Callable[[F], F]:
             *args: Any, horizon: Horizon, hold: str, **options: Any
         ) -> Any:
             settings = FitSettings(horizon=horizon, hold=_HOLDS.get(hold, Hold.FIRST))
-            if either:
-                options["either_hold"] = hold == "auto"
-            return command(*args, settings=settings, **options)
+            either = hold == "auto"
+            return command(*args, settings=settings, either_hold=either, **options)
 
         with_hold = click.option(
             "--hold",
-            type=OneOf(holds),
-            default="auto" if either else "first",
+            type=OneOf(["auto", *_HOLDS]),
+            default="auto",
             show_default=True,
             help="Inputs between samples: held, as commands in steps are (zero), "
-            "straight lines (first)"
-            + (", or as fits the model better (auto)." if either else "."),
+            "straight lines (first), or as the recordings say (auto).",
         )(with_settings)
         return click.option(  # type: ignore[return-value]
             "--window",
@@ -145,14 +138,3 @@ def estimation_options(command: F) -> F:
     ):
         with_choices = option(with_choices)
     return with_choices  # type: ignore[return-value]
-
-
-def hint_at_steps(
-    session: Session, settings: FitSettings, recordings: Sequence[BoundRecording]
-) -> None:
-    """Say that inputs go in steps, where they are joined by lines."""
-    if settings.hold is Hold.FIRST and go_in_steps(recordings):
-        session.hint(
-            "The inputs stay the same from most samples to the next, as commands do, "
-            "and are joined by lines here: --hold zero holds them."
-        )

@@ -2,14 +2,14 @@
 
 import math
 from collections import Counter
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import click
 import numpy as np
 
 from bondgraph.cli.command import Command, json_option
-from bondgraph.cli.fit_options import fit_options, hint_at_steps
+from bondgraph.cli.fit_options import fit_options
 from bondgraph.cli.inputs import (
     model_argument,
     read_model,
@@ -21,11 +21,14 @@ from bondgraph.cli.session import Session
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.fitting.simulate import Solution, SolveStatus, simulate
+from bondgraph.recordings.commands import go_in_steps
 from bondgraph.recordings.names import join_header
 from bondgraph.reporting.diagnosis_json import json_value
 from bondgraph.reporting.wording import number_words, relative_error, unit_words
 from bondgraph.simulation.energy_audit import EnergyAudit
 from bondgraph.simulation.events import Event
+from bondgraph.simulation.solvers import Hold
+from bondgraph.structure.domains import THERMAL
 
 LISTED_EVENTS = 8
 """More are counted by kind; all are in the JSON."""
@@ -62,6 +65,7 @@ def command(
     recording: str,
     output: str | None,
     settings: FitSettings,
+    either_hold: bool,
     reading: Reading,
     json_file: str | None,
 ) -> None:
@@ -72,6 +76,9 @@ def command(
     session.answers_in(json_file)
     graph = read_model(model, values)
     (bound,) = read_recordings([recording], graph, reading)
+    held = either_hold and go_in_steps([bound])
+    if held:
+        settings = replace(settings, hold=Hold.ZERO)
     with session.progress(loops=True) as progress:
         progress(f"simulating {bound.name}")
         solution = simulate(graph, bound, settings=settings)
@@ -87,9 +94,14 @@ def command(
         session.say(f"{name}: simulated minus measured {rmse} {unit_words(unit)} rms")
     spread = "the standard deviation of what was measured"
     session.say(f"That is {relative_error(solution.score, spread)}.")
-    session.say(_energy_words(solution.audit))
+    if any(domain is not THERMAL for domain in graph.domains):
+        session.say(_energy_words(solution.audit))
     session.say(_event_words(solution.events))
-    hint_at_steps(session, settings, [bound])
+    if held:
+        session.say(
+            "Inputs stay the same from most samples to the next, as commands do, and "
+            "are held (--hold zero)."
+        )
     if solution.reason:  # of a run with accounts, where the one without them went on
         session.say(solution.reason)
     if output is not None:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from bondgraph.equations.deriving.derivation import derive
 from bondgraph.errors import FitError
+from bondgraph.fitting.natural_bounds import bounds_by_name
 from bondgraph.fitting.problem import FitProblem
 from bondgraph.fitting.settings import FitSettings
 from bondgraph.numeric.model import NumericModel, compile_model
@@ -45,6 +46,7 @@ def pose(
     values = graph.parameters.values_by_name()
     members = [graph.parameters[name] for name in model.parameter_names]
     free = [i for i, member in enumerate(members) if not member.exact]
+    bounds = bounds_by_name(graph)
     if sigma is None:
         sigma = size(shots.outputs)
     return FitProblem(
@@ -52,8 +54,8 @@ def pose(
         shots=shots,
         start=np.array([values[name] for name in model.parameter_names], dtype=float),
         free=np.array(free, dtype=np.int64),
-        low=np.array([member.bounds[0] for member in members]),
-        high=np.array([member.bounds[1] for member in members]),
+        low=np.array([bounds[member.name][0] for member in members]),
+        high=np.array([bounds[member.name][1] for member in members]),
         prior_std=np.array([member.std or math.inf for member in members]),
         sigma=sigma,
         solver=settings.solver,

@@ -1,23 +1,39 @@
-"""Free curves in the own law of an element: a ratio on the way, what a store holds."""
+"""Free curves in the own law of an element.
+
+A ratio on the way, what a store holds, and a resistance that something elsewhere
+steers: a film that a fan cools, a damper with a coil.
+"""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 
+import sympy
+
 from bondgraph.physics.curves import drawn, even
 from bondgraph.physics.hypothesis import Hypothesis, Shape
 from bondgraph.physics.places.base import ELECTRIC, MECHANICAL, E, F, P, Q
+from bondgraph.physics.places.channels import ChannelPlace, InputPlace, OutputPlace
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import JunctionPlace, junction_place
 from bondgraph.physics.smooth import Smooth
-from bondgraph.structure.elements import Compliance, Gyrator, Inertance, Transformer
-from bondgraph.structure.signals import displacement, momentum, p, q
+from bondgraph.structure.elements import (
+    Compliance,
+    Gyrator,
+    Inertance,
+    Resistance,
+    Transformer,
+)
+from bondgraph.structure.signals import Signal, displacement, momentum, p, q
 
 Make = Callable[..., Hypothesis]
 """What makes a hypothesis of that physics: `AbstractPhysics.hypothesis`."""
 
 STORE = 8
 """Knots of what a store answers with."""
+
+STEERED = 4
+"""Knots of what steers a resistance: of two variables a law is told by few."""
 
 
 def forms_of_element(
@@ -36,6 +52,50 @@ def forms_of_element(
             map(place.is_one_junction, place.junctions)
         ):  # At a 1-junction it is the curve of the displacement there.
             yield partial(_store, make, place, smooth)
+        case Resistance(law=None):
+            for channel in _elsewhere(place):
+                yield partial(_steered, make, place, channel, smooth)
+
+
+def _elsewhere(place: ElementPlace) -> Iterator[ChannelPlace]:
+    """Yield what is recorded, changes, and is not beside a resistance already."""
+    graph = place.graph
+    beside = {place.name, *place.junctions}
+    for junction in place.junctions:
+        bonds = graph.bonds_at(junction)
+        beside |= {bond.name for bond in bonds}
+        beside |= {bond.other(junction) for bond in bonds}
+    channels: list[ChannelPlace] = [
+        InputPlace(graph, source.name, place.scales) for source in graph.inputs
+    ]
+    channels += (OutputPlace(graph, m.name, place.scales) for m in graph.measurements)
+    known: set[sympy.Expr] = set()
+    for channel in channels:
+        signal = channel.signal
+        if channel.is_constant or not isinstance(signal, Signal) or signal in known:
+            continue
+        known.add(signal)
+        if signal.place not in beside:
+            yield channel
+
+
+def _steered(
+    make: Make, place: ElementPlace, channel: ChannelPlace, smooth: Smooth | None
+) -> Hypothesis:
+    """Make a resistance a curve of something that is recorded elsewhere."""
+    size = channel.peak
+    stem = f"curve_{channel.name}"
+    knots = even(channel.range, size, STEERED)
+    width = place.constant(f"{stem}_width", channel.channel_unit, size)
+    x = channel.signal / width.symbol
+    curve, heights = drawn(place, stem, "1", x, knots, smooth)
+    law = place.usual_law * (1 + curve)
+    words = f"{place.name} changes with {channel.name}"
+    edit = place.replace(law, *heights, width)
+    found = make(place, edit, law, heights, words, also=place.junctions)
+    steering = (channel.signal, channel.name, channel.channel_unit)
+    shape = Shape(*steering, 1 + curve, "resistance to its usual", "1")
+    return replace(found, shape=shape)
 
 
 def _ratio(

@@ -12,17 +12,12 @@ FAR = 3.0
 
 
 def run_away(fitted: FittedModel, times: float = FAR) -> dict[str, float]:
-    """Return the stated values of parameters that a fit has left by so many times.
-
-    One that is stated with a standard deviation is held by that.
-    """
-    problem, stated = fitted.problem, fitted.graph.parameters
+    """Return the stated values of parameters that a fit has left by so many times."""
+    problem = fitted.problem
     names = problem.model.parameter_names
     began = {names[i]: float(problem.start[i]) for i in problem.free}
     return {
         name: value
         for name, value in began.items()
-        if value
-        and not stated[name].std
-        and not 1.0 / times < fitted.values[name] / value < times
+        if value and not 1.0 / times < fitted.values[name] / value < times
     }
