@@ -24,7 +24,7 @@ from bondgraph.structure.elements import (
     Resistance,
     Transformer,
 )
-from bondgraph.structure.signals import Signal, displacement, momentum, p, q
+from bondgraph.structure.signals import Signal, displacement, f, momentum, p, q
 
 Make = Callable[..., Hypothesis]
 """What makes a hypothesis of that physics: `AbstractPhysics.hypothesis`."""
@@ -65,10 +65,13 @@ def _elsewhere(place: ElementPlace) -> Iterator[ChannelPlace]:
         bonds = graph.bonds_at(junction)
         beside |= {bond.name for bond in bonds}
         beside |= {bond.other(junction) for bond in bonds}
+    # What a command has become steers sooner than the command does.
     channels: list[ChannelPlace] = [
-        InputPlace(graph, source.name, place.scales) for source in graph.inputs
+        OutputPlace(graph, m.name, place.scales) for m in graph.measurements
     ]
-    channels += (OutputPlace(graph, m.name, place.scales) for m in graph.measurements)
+    channels += (
+        InputPlace(graph, source.name, place.scales) for source in graph.inputs
+    )
     known: set[sympy.Expr] = set()
     for channel in channels:
         signal = channel.signal
@@ -82,16 +85,21 @@ def _elsewhere(place: ElementPlace) -> Iterator[ChannelPlace]:
 def _steered(
     make: Make, place: ElementPlace, channel: ChannelPlace, smooth: Smooth | None
 ) -> Hypothesis:
-    """Make a resistance a curve of something that is recorded elsewhere."""
+    """Make a resistance a curve of something that is recorded elsewhere.
+
+    Its own number is in the curve: beside one, only their product shows.
+    """
     size = channel.peak
+    now = place.scales.fitted.get(place.name) or place.linear_value or 1.0
+    usual = place.constant("usual", place.unit(E, F), now)
     stem = f"curve_{channel.name}"
     knots = even(channel.range, size, STEERED)
     width = place.constant(f"{stem}_width", channel.channel_unit, size)
     x = channel.signal / width.symbol
     curve, heights = drawn(place, stem, "1", x, knots, smooth)
-    law = place.usual_law * (1 + curve)
+    law = usual.symbol * f * (1 + curve)
     words = f"{place.name} changes with {channel.name}"
-    edit = place.replace(law, *heights, width)
+    edit = place.replace(law, *heights, width, usual)
     found = make(place, edit, law, heights, words, also=place.junctions)
     steering = (channel.signal, channel.name, channel.channel_unit)
     shape = Shape(*steering, 1 + curve, "resistance to its usual", "1")
