@@ -18,6 +18,7 @@ from bondgraph.simulation.energy_audit import EnergyAudit, audit_of
 from bondgraph.simulation.events import Event, contact_events, friction_events
 from bondgraph.simulation.growth import growth_not_followed
 from bondgraph.simulation.inputs import InputFunction, Inputs, gather_inputs
+from bondgraph.simulation.jumps import ramped
 from bondgraph.simulation.shooting import Shooting, Shots, shoot
 from bondgraph.simulation.solvers import Hold, Sdirk2, Solver
 from bondgraph.simulation.trouble import RunStatus, Trouble
@@ -228,6 +229,19 @@ class _Case:
 
     def adaptive(self, solver: Adaptive) -> Run:
         """Run with a solver that chooses its steps."""
+        inputs = self.inputs
+        if inputs.hold is Hold.FIRST or not self.audited.model.needs_input_rates:
+            return self._adaptive(solver)
+        lines, rows = ramped(inputs.time, inputs.samples, (0, len(inputs.time)))
+        crossed = replace(
+            inputs, time=lines.time, samples=lines.inputs, hold=Hold.FIRST
+        )
+        run = replace(self, inputs=crossed)._adaptive(solver)
+        return replace(
+            run, time=inputs.time, outputs=run.outputs[rows], states=run.states[rows]
+        )
+
+    def _adaptive(self, solver: Adaptive) -> Run:
         model, inputs = self.audited.model, self.inputs
         if model.contacts is not None:
             refuse_hard_contact(

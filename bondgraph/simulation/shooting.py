@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from bondgraph.numeric.model import NumericModel
 from bondgraph.simulation.engines import PAYING, Engine
 from bondgraph.simulation.hard_contact import shoot_with_contacts
+from bondgraph.simulation.jumps import at_samples, ramped
 from bondgraph.simulation.native_shooting import Windows, run_native
 from bondgraph.simulation.shots import Shooting, Shots
 from bondgraph.simulation.solvers import Hold, Implicit, RungeKutta4, Solver
@@ -57,6 +58,14 @@ def shoot(
     EquationError
         If an explicit method is asked for a model whose rates are only implicit.
     """
+    if hold is Hold.ZERO and model.needs_input_rates:
+        lines, rows = ramped(shots.time, shots.inputs, shots.edges)
+        shot = shoot(
+            model, lines, parameters=parameters, initial=initial, directions=directions,
+            solver=solver, hold=Hold.FIRST, engine=engine, of_initial=of_initial,
+            reasons=reasons,
+        )  # fmt: skip
+        return at_samples(shot, rows)
     if model.contacts is not None and not isinstance(solver, RungeKutta4):
         found = shoot_with_contacts(
             model, shots, parameters, initial, directions, solver, hold, engine, shoot
