@@ -37,6 +37,10 @@ class StructureError(BondGraphError):
     """The graph is not well formed (dangling bond, duplicate or unknown name)."""
 
 
+class UnfinishedGraphError(StructureError, AttributeError):
+    """A graph that is still being written was used as a finished one."""
+
+
 class ParameterError(BondGraphError):
     """A parameter is unknown, missing, unused, out of bounds or in a wrong unit."""
 

@@ -145,7 +145,7 @@ def test_every_set_is_simulated_as_it_would_be_alone(solver, hold):
 def test_a_set_that_runs_away_has_its_own_status():
     k = symbols("k")
     g = BondGraph("runaway", domain="translation")
-    g.one("cart", Se("force"), I("m"), R("push", law=-k * f**3))
+    g.one("cart", Se("torque"), I("m"), R("push", law=-k * f**3))
     g.measure("v", flow="cart")
     recording = recorded()
     still = {"k": 0.0, "m": 1.0}

@@ -1,10 +1,14 @@
 """What a model needs of a recording, found from the graph itself."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
-from bondgraph.errors import RecordingError
-from bondgraph.recordings.model_channels import bind_to, channels_of, read_for
+from bondgraph.diagnosis.diagnose import diagnose
+from bondgraph.errors import RecordingError, StructureError
+from bondgraph.fitting.estimate import fit
+from bondgraph.recordings.model_channels import bind_to, channels_of, matched, read_for
 from bondgraph.recordings.recording import Recording
 from bondgraph.structure.builder import BondGraph
 from bondgraph.structure.elements import C, I, R, Se
@@ -62,3 +66,76 @@ def test_reading_converts_to_the_model_s_units_and_leaves_the_rest(tmp_path):
     bound = read_for(cart("translation").finish(), path)
     assert bound.output("position") == pytest.approx(np.cos(TIME))
     assert "note" in bound.unused
+
+
+def two_carts(first, second):
+    graph = BondGraph("carts", domain="translation")
+    for name in (first, second):
+        graph.one(name, Se(f"force_{name}"), I(f"mass_{name}"))
+    graph.one("rope", C("spring"))
+    graph.zero("left")
+    graph.join(first, "left")
+    graph.join("left", "rope")
+    graph.zero("right")
+    graph.join("rope", "right")
+    graph.join("right", second)
+    for name in (first, second):
+        graph.measure(f"v_{name}", flow=name)
+        graph.parameter(f"mass_{name}", 1.0, "kg")
+    graph.parameter("spring", 0.1, "m/N")
+    return graph.finish()
+
+
+def recorded_carts():
+    wave = {"force_a": (np.sin(TIME), "N"), "force_b": (np.cos(TIME), "N")}
+    read = {"v_a": (0.1 * TIME, "m/s"), "v_b": (-0.2 * TIME, "m/s")}
+    return Recording.from_arrays("run", TIME, {**wave, **read})
+
+
+def test_columns_are_taken_by_their_names():
+    recording = recorded_carts()
+    bound = bind_to(two_carts("a", "b"), recording)
+    other = two_carts("b", "a")
+    (found,) = matched(other, [bound])
+    assert found.input_names == ("force_b", "force_a")
+    assert np.array_equal(found.inputs, bind_to(other, recording).inputs)
+    assert np.array_equal(found.outputs, bind_to(other, recording).outputs)
+    (same,) = matched(two_carts("a", "b"), [bound])
+    assert same is bound
+
+
+def test_a_recording_of_another_model_is_refused():
+    bound = bind_to(two_carts("a", "b"), recorded_carts())
+    with pytest.raises(RecordingError, match="force_a, force_b, and this one has"):
+        matched(cart("translation").finish(), [bound])
+    turned = BondGraph("turned", domain="rotation")
+    turned.one("joint", Se("force"), I("mass"))
+    turned.measure("position", displacement="joint")
+    metres = bind_to(cart("translation").finish(), in_metres())
+    with pytest.raises(RecordingError, match="bound in 'N', and 'turned' has it in"):
+        matched(turned.finish(), [metres])
+
+
+def in_metres():
+    channels = {"force": (np.sin(TIME), "N"), "position": (np.cos(TIME), "m")}
+    return Recording.from_arrays("run", TIME, channels)
+
+
+def test_no_recording_and_one_given_twice_are_refused():
+    graph = cart("translation").finish()
+    bound = bind_to(graph, in_metres())
+    with pytest.raises(RecordingError, match="no recording of 'cart'"):
+        fit(graph, [])
+    for call in (fit, partial(diagnose, held_out=())):
+        with pytest.raises(RecordingError, match="'run' and 'run' hold the same"):
+            call(graph, [bound, bound])
+
+
+def test_a_channel_is_not_an_input_and_a_measurement():
+    graph = cart("translation").finish()
+    with pytest.raises(RecordingError, match="'force' would be the input 'force'"):
+        bind_to(graph, in_metres(), mapping={"position": "force"})
+    named_alike = cart("translation")
+    named_alike.measure("force", effort="mass")
+    with pytest.raises(StructureError, match="'force' is an input and a measurement"):
+        named_alike.finish()

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import click
 
 from bondgraph.cli.session import Colour, Loudness, Session
+from bondgraph.cli.written import Written, refuse_overwriting
 from bondgraph.errors import did_you_mean
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -77,6 +78,11 @@ class Command(click.Command):
         super().__init__(*words, **rest)
         self.examples = tuple(examples)
         self.params += common_options()
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run it, where it writes over nothing that it reads."""
+        refuse_overwriting(ctx)
+        return super().invoke(ctx)
 
     def format_options(
         self, ctx: click.Context, formatter: click.HelpFormatter
@@ -175,6 +181,6 @@ def json_option(command: F) -> F:
         "--json",
         "json_file",
         metavar="FILE",
-        type=click.Path(allow_dash=True),
+        type=Written(allow_dash=True),
         help="Write the answer as JSON; - is stdout and leaves the words out.",
     )(command)

@@ -12,6 +12,7 @@ from bondgraph.causality.assignment import assign_causality
 from bondgraph.cli.command import Command, OneOf, json_option
 from bondgraph.cli.inputs import model_argument, read_model
 from bondgraph.cli.session import STDOUT, Session
+from bondgraph.cli.written import Written
 from bondgraph.errors import BondGraphError
 from bondgraph.reporting.drawing import (
     BondLabels,
@@ -44,7 +45,7 @@ _NUMBER = {
     "--output",
     default=STDOUT,
     metavar="FILE",
-    type=click.Path(allow_dash=True),
+    type=Written(allow_dash=True),
     help="Where to write the picture, SVG or by its name PNG; stdout otherwise.",
 )
 @click.option(

@@ -22,6 +22,7 @@ from bondgraph.cli.inputs import (
 from bondgraph.cli.reading_options import Reading, recording_options
 from bondgraph.cli.session import Session
 from bondgraph.cli.terminal import table_style
+from bondgraph.cli.written import Written
 from bondgraph.errors import FitError
 from bondgraph.fitting.certainty.profile import profile
 from bondgraph.fitting.either_hold import fitted_either_way
@@ -50,7 +51,7 @@ from bondgraph.reporting.tables import INTERVAL, estimates_table
     "-o",
     "--output",
     metavar="FILE",
-    type=click.Path(allow_dash=True),
+    type=Written(allow_dash=True),
     help="Write the fitted model (Python).",
 )
 @click.option(

@@ -2,7 +2,10 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from bondgraph.fitting.certainty.identifiability import identifiability
+from bondgraph.fitting.certainty.identifiability import (
+    IdentifiabilityStatus,
+    identifiability,
+)
 from bondgraph.fitting.certainty.profile import Profile
 from bondgraph.fitting.certainty.solver_error import SolverError, SolverErrorStatus
 from bondgraph.fitting.fitted import FittedModel
@@ -63,7 +66,10 @@ def known(
     for sentence in result.unidentifiable:
         yield f"Not identifiable from these recordings: {sentence}."
     if result.unidentifiable:
-        yield identifiability(graph, bound).status.value
+        found = identifiability(graph, bound).status
+        # The channels tell what these values of the parameters hide.
+        if found is not IdentifiabilityStatus.IDENTIFIABLE:
+            yield found.value
     for sentence in result.barely_known:
         yield f"Hardly {sentence}."
     error = result.solver_error

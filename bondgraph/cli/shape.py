@@ -8,6 +8,7 @@ from bondgraph.cli.command import Command, json_option
 from bondgraph.cli.inputs import model_argument, read_model
 from bondgraph.cli.session import Session
 from bondgraph.cli.shaping_file import ShapingRequest, read_request
+from bondgraph.cli.written import Written
 from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.transfer.linear import linearise
 from bondgraph.loopshaping.loop import zero_pole_gain
@@ -42,7 +43,7 @@ MOST_STATES = 12
     "-o",
     "--output",
     metavar="FILE",
-    type=click.Path(allow_dash=True),
+    type=Written(allow_dash=True),
     help="Write the charts of the loop: a .png, .svg or .pdf.",
 )
 @json_option

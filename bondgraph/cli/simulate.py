@@ -18,6 +18,7 @@ from bondgraph.cli.inputs import (
 )
 from bondgraph.cli.reading_options import Reading, recording_options
 from bondgraph.cli.session import Session
+from bondgraph.cli.written import Written
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.fitting.simulate import Solution, SolveStatus, simulate
@@ -49,7 +50,7 @@ LISTED_EVENTS = 8
     "-o",
     "--output",
     metavar="FILE",
-    type=click.Path(allow_dash=True),
+    type=Written(allow_dash=True),
     help="Write measured and simulated.",
 )
 @fit_options(window="whole")

@@ -25,6 +25,7 @@ from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.limit import Limit
 from bondgraph.diagnosis.work.workers import workshop
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.model_channels import matched, refuse_twice
 from bondgraph.recordings.windows import windows
 from bondgraph.structure.graph import FinishedGraph
 
@@ -62,6 +63,9 @@ def diagnose(
     """
     chosen = Options() if options is None else options
     limit = Limit.after(chosen.seconds)
+    refuse_twice(recordings)
+    recordings = matched(graph, recordings)
+    held_out = matched(graph, held_out) if held_out else ()
     refuse_unchanging(recordings)
     read, kept_back = without_misreadings(recordings), without_misreadings(held_out)
     recordings, held_out = read.recordings, kept_back.recordings

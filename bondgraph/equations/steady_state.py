@@ -200,7 +200,9 @@ def described(
     status, reason = SteadyStatus.FOUND, ""
     if growth:
         status = SteadyStatus.MOVING
-        reason = f"{', '.join(growth)} grows for ever and is read by nothing."
+        reason = f"{', '.join(growth)} grows for ever, and no rate reads it."
+        if outputs := _readers(equations, growth):
+            reason += f" {' and '.join(outputs)} grows with it."
     elif still:
         status = SteadyStatus.FAMILY
         reason = f"{', '.join(still)} may have any value: nothing holds it."
@@ -212,6 +214,15 @@ def described(
         growth=growth,
         reason=reason,
     )
+
+
+def _readers(equations: StateEquations, names: Iterable[str]) -> list[str]:
+    """Return the outputs that depend on states of those names."""
+    grown = {s.symbol for s in equations.states if s.symbol.name in set(names)}
+    for one in equations.assignments:
+        if one.expression.free_symbols & grown:
+            grown.add(one.symbol)
+    return [o.name for o in equations.outputs if o.expression.free_symbols & grown]
 
 
 def _affine(

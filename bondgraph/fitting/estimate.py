@@ -1,6 +1,7 @@
 """Fit a graph's parameters to recordings: the pieces put together."""
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -26,6 +27,7 @@ from bondgraph.fitting.solving import solve, solve_from
 from bondgraph.fitting.starts import ManyStarts
 from bondgraph.numeric.model import NumericModel
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.model_channels import matched, refuse_twice
 from bondgraph.recordings.spread import changes, spread
 from bondgraph.simulation.shooting import Shots
 from bondgraph.structure.graph import FinishedGraph
@@ -74,8 +76,12 @@ def fit(
     ------
     FitError, ParameterError
         If nothing can be fitted: no output, a parameter without a value.
+    RecordingError
+        If there is no recording, one is given twice, or one is of another model.
     """
     chosen = FitSettings() if settings is None else settings
+    refuse_twice(recordings)
+    recordings = matched(graph, recordings)
     return report(fit_model(graph, recordings, chosen), graph, recordings)
 
 
@@ -87,7 +93,7 @@ def fit_model(
     sigma: Array | None = None,
 ) -> FittedModel:
     """Fit, choosing the horizon and the residual scales where they are not given."""
-    model = prepare(graph)
+    model, recordings = prepare(graph), matched(graph, recordings)
     horizon, start = settings.horizon, None
     if isinstance(horizon, Automatic):
         horizon, start = automatic_horizon(graph, model, recordings, settings)
@@ -264,7 +270,12 @@ def _unidentifiable(fitted: FittedModel, known: Uncertainty) -> tuple[str, ...]:
     points = around(
         fitted.problem, optimum.theta, optimum.initial, np.random.default_rng(0)
     )
-    return combination_sentences(fitted.free_names, points, RECORDED) if points else ()
+    names = fitted.free_names
+    told = combination_sentences(names, points, RECORDED) if points else ()
+    words = {word for sentence in told for word in re.findall(r"\w+", sentence)}
+    # What acts nearby may act on nothing just where the fit has ended.
+    silent = (n for n, s in zip(names, known.std, strict=True) if not math.isfinite(s))
+    return (*told, *(f"{n} acts on nothing there" for n in silent if n not in words))
 
 
 def _status(problem: FitProblem, optimum: Optimum, known: Uncertainty) -> FitStatus:

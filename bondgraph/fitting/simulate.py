@@ -18,6 +18,7 @@ from bondgraph.fitting.settling import settle
 from bondgraph.fitting.step_error import MOST_SUBSTEPS, step_error
 from bondgraph.numeric.audited_model import audited_model
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.model_channels import matched
 from bondgraph.recordings.spread import size
 from bondgraph.simulation.energy_audit import EnergyAudit, together
 from bondgraph.simulation.events import Event
@@ -107,6 +108,7 @@ def simulate(
         If the model measures nothing, or a parameter has no value.
     """
     chosen = FitSettings(horizon=WholeRecordings()) if settings is None else settings
+    (recording,) = matched(graph, [recording])
     held = graph.with_parameters(
         [replace(parameter, std=0.0) for parameter in graph.parameters.members]
     )

@@ -165,6 +165,12 @@ def state_space(graph: FinishedGraph, *, at: At = None) -> StateSpace:
 
 def sparse_state_space(graph: FinishedGraph, *, at: At = None) -> SparseStateSpace:
     """Return the linear system of `graph` with sparse matrices; see `state_space`."""
+    if isinstance(graph, StateEquations):
+        raise EquationError(
+            f"The equations of {graph.name!r} have no values of parameters.",
+            (graph.name,),
+            "Pass the finished graph that they were derived from.",
+        )
     values = graph.parameters.values_by_name()
     return sparse_from_equations(derive(graph), values, at=at)
 

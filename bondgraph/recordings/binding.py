@@ -78,6 +78,38 @@ class BoundRecording:
         part = part_range(self.name, len(self), start, stop)
         return self.rows(part, name=f"{self.name}[{part.start}:{part.stop}]")
 
+    def ordered(
+        self, inputs: Sequence[str], outputs: Sequence[str]
+    ) -> "BoundRecording":
+        """Return the inputs and outputs of those names, in that order.
+
+        Raises
+        ------
+        RecordingError
+            If it was bound to a model with others.
+        """
+        if (*inputs, *outputs) == (*self.input_names, *self.output_names):
+            return self
+        for wanted, there in (inputs, self.input_names), (outputs, self.output_names):
+            if set(wanted) != set(there):
+                raise RecordingError(
+                    f"Recording {self.name!r} was bound to a model with the channels "
+                    f"{_listed(there)}, and this one has {_listed(wanted)}.",
+                    (self.name, *set(wanted).symmetric_difference(there)),
+                    "Bind it to this model: bind_to(graph, recording).",
+                )
+        order = [self.input_names.index(name) for name in inputs]
+        read = [self.output_names.index(name) for name in outputs]
+        return replace(
+            self,
+            inputs=self.inputs[:, order],
+            outputs=self.outputs[:, read],
+            input_names=tuple(inputs),
+            output_names=tuple(outputs),
+            input_units=tuple(self.input_units[i] for i in order),
+            output_units=tuple(self.output_units[i] for i in read),
+        )
+
     def rows(self, rows: Sequence[int], *, name: str | None = None) -> "BoundRecording":
         """Return the samples numbered `rows` (increasing)."""
         chosen = as_index(rows)
@@ -116,11 +148,12 @@ def bind(
     Raises
     ------
     RecordingError
-        If a channel is missing, its unit does not convert, or `mapping` names what is
-        not in the model.
+        If a channel is missing, its unit does not convert, is input and measurement at
+        once, or `mapping` names what is not in the model.
     """
     mapping = mapping or {}
     needed = {**inputs, **outputs}
+    _refuse_twice(inputs, outputs, mapping)
     for name in mapping:
         if name not in needed and name != "time":
             raise RecordingError(
@@ -151,6 +184,26 @@ def bind(
         sha256=recording.sha256,
         notes=(*recording.notes, *_not_converted(found, unchecked)),
     )
+
+
+def _refuse_twice(
+    inputs: Mapping[str, str], outputs: Mapping[str, str], mapping: Mapping[str, str]
+) -> None:
+    """Refuse one channel as an input and as a measurement: it would explain itself."""
+    driven = {mapping.get(name, name): name for name in inputs}
+    for name in outputs:
+        channel = mapping.get(name, name)
+        if channel in driven:
+            raise RecordingError(
+                f"Channel {channel!r} would be the input {driven[channel]!r} and the "
+                f"measurement {name!r} at once.",
+                (channel, driven[channel], name),
+                "Map one of them to another channel.",
+            )
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names) or "none"
 
 
 def _not_converted(
@@ -196,6 +249,7 @@ def read_bound(
         As `read_recording` and `bind` do.
     """
     needed = tuple({**inputs, **outputs})
+    _refuse_twice(inputs, outputs, mapping or {})
     allowed = {*needed, choices.get("time", "time")}
     for name in mapping or {}:
         if name not in allowed:

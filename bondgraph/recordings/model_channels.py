@@ -1,14 +1,19 @@
 """What a model needs of a recording: its inputs and measurements, with their units."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from bondgraph.errors import RecordingError, UnitError
 from bondgraph.recordings.binding import BoundRecording, bind, read_bound
 from bondgraph.recordings.recording import Recording
 from bondgraph.structure.graph import FinishedGraph, Measurement
 from bondgraph.structure.signals import Signal, signals_in
+from bondgraph.structure.units import conversion
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,6 +40,76 @@ def channels_of(graph: FinishedGraph) -> ModelChannels:
     free = [name for name in inputs if not graph.domain_at(name).checked]
     free += [m.name for m in graph.measurements if _takes_any_unit(graph, m)]
     return ModelChannels(inputs=inputs, outputs=outputs, unchecked=frozenset(free))
+
+
+def matched(
+    graph: FinishedGraph, recordings: Sequence[BoundRecording]
+) -> tuple[BoundRecording, ...]:
+    """Return recordings with the columns in the order in which `graph` has them.
+
+    Raises
+    ------
+    RecordingError
+        If there is none, or one was bound to another model: other names or units.
+    """
+    if not recordings:
+        raise RecordingError(
+            f"There is no recording of {graph.name!r}.",
+            (graph.name,),
+            "Give at least one: [read_for(graph, path)].",
+        )
+    channels = channels_of(graph)
+    names = tuple(channels.inputs), tuple(channels.outputs)
+    found = tuple(one.ordered(*names) for one in recordings)
+    for one in found:
+        _refuse_other_units(graph, one, channels)
+    return found
+
+
+def _refuse_other_units(
+    graph: FinishedGraph, recording: BoundRecording, channels: ModelChannels
+) -> None:
+    names = (*recording.input_names, *recording.output_names)
+    bound = dict(
+        zip(names, (*recording.input_units, *recording.output_units), strict=True)
+    )
+    for name, unit in {**channels.inputs, **channels.outputs}.items():
+        if name not in channels.unchecked and not _alike(bound[name], unit):
+            raise RecordingError(
+                f"{name!r} of recording {recording.name!r} was bound in "
+                f"{bound[name]!r}, and {graph.name!r} has it in {unit!r}.",
+                (recording.name, name),
+                "Bind it to this model: bind_to(graph, recording).",
+            )
+
+
+def refuse_twice(recordings: Sequence[BoundRecording]) -> None:
+    """Refuse a recording that is given more than once: it would count as several.
+
+    Raises
+    ------
+    RecordingError
+        Naming it.
+    """
+    for first, second in combinations(recordings, 2):
+        same = np.array_equal(first.time, second.time) and np.array_equal(
+            first.outputs, second.outputs, equal_nan=True
+        )
+        if same and np.array_equal(first.inputs, second.inputs):
+            raise RecordingError(
+                f"Recordings {first.name!r} and {second.name!r} hold the same samples, "
+                "which would count twice.",
+                (first.name, second.name),
+                "Leave one of them out.",
+            )
+
+
+def _alike(unit: str, other: str) -> bool:
+    """Return whether a number in one unit is the same number in the other."""
+    try:
+        return np.allclose(conversion(unit, other), (1.0, 0.0))
+    except UnitError:
+        return False
 
 
 def bind_to(

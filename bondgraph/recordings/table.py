@@ -6,7 +6,7 @@ way for every kind of file. Nothing is guessed: what is missing, double or broke
 refused with its place in the file, and what is repaired on request is noted.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -107,25 +107,46 @@ def read_table(table: AbstractTable, choices: Choices) -> Recording:
         samples = in_order(samples, choices.clock, choices.order)
         samples = without_repeats(samples, choices.clock, choices.repeats)
         time, *columns = samples.columns
-        wanted = wanted[1:]
+        channels = wanted[1:]
     else:
         # With a known step a dropped row leaves a hole in time, not a shorter time.
         time = np.asarray(samples.rows * (choices.step or 1.0), dtype=np.float64)
-        columns = samples.columns
+        columns, channels = samples.columns, wanted
     check_count(table.source, time.size, steady=steady)
     return Recording(
         name=choices.name or table.source,
         time=time,
         channels=tuple(
             Channel(w.name, w.unit, c, gaps=bool(np.isnan(c).any()))
-            for w, c in zip(wanted, columns, strict=True)
+            for w, c in zip(channels, columns, strict=True)
         ),
         source=table.source,
         sha256=table.sha256,
         steady=steady,
         unread=unread,
-        notes=samples.notes,
+        notes=(*samples.notes, *_overruled(table, wanted, choices)),
     )
+
+
+def _overruled(
+    table: AbstractTable, wanted: Sequence[_Wanted], choices: Choices
+) -> Iterator[str]:
+    """Yield a sentence for each thing that the file says and a choice says otherwise.
+
+    A unit that does not convert was changed on purpose.
+    """
+    written = [split_header(" ".join(header.split())) for header in table.headers]
+    if choices.step is not None and choices.time in [name for name, _ in written]:
+        yield (
+            f"The column {choices.time!r} was left aside: samples are "
+            f"{choices.step:g} s apart, as step says."
+        )
+    for one in wanted:
+        unit = written[one.index][1]
+        if unit and unit != one.unit and compatible(unit, one.unit):
+            yield (
+                f"{one.name} was read in {one.unit}, as asked; its header says {unit}."
+            )
 
 
 def _plan(

@@ -100,6 +100,7 @@ def simulate_batch(
         If an explicit solver is asked for a model whose rates are only implicit.
     """
     model = compile_model(derive(graph))
+    recording = recording.ordered(model.input_names, recording.output_names)
     if not np.isfinite(recording.inputs).all() or not np.isfinite(recording.time).all():
         raise RecordingError(
             f"Recording {recording.name!r} has samples without time or input.",

@@ -8,8 +8,14 @@ author calls methods on a `BondGraph`; everything else works on the checked, fro
 import math
 from collections.abc import Collection, Sequence
 from itertools import pairwise
+from typing import TYPE_CHECKING, NoReturn
 
-from bondgraph.errors import ParameterError, StructureError, did_you_mean
+from bondgraph.errors import (
+    ParameterError,
+    StructureError,
+    UnfinishedGraphError,
+    did_you_mean,
+)
 from bondgraph.structure.detectors import Detector
 from bondgraph.structure.domains import EnergyDomain, Quantity, domain_named
 from bondgraph.structure.draft import Draft
@@ -42,6 +48,8 @@ from bondgraph.structure.parameters import (
 )
 from bondgraph.structure.signals import Signal, canonical
 from bondgraph.structure.subgraphs import SubGraph
+
+_OF_FINISHED = frozenset(x for x in dir(FinishedGraph) if not x.startswith("_"))
 
 
 class BondGraph:
@@ -333,6 +341,17 @@ class BondGraph:
             If the graph is not well formed.
         """
         return self._draft.finished()
+
+    if not TYPE_CHECKING:  # Where types are checked, that says it better.
+
+        def __getattr__(self, name: str) -> NoReturn:
+            if name in _OF_FINISHED:
+                raise UnfinishedGraphError(
+                    f"{self.name!r} is still being written.",
+                    (self.name,),
+                    "Pass what its finish() returns.",
+                )
+            raise AttributeError(f"A BondGraph has no attribute {name!r}.")
 
     def __repr__(self) -> str:
         kinds = " ".join(f"{letter(n)}:{n.name}" for n in self._draft.nodes)

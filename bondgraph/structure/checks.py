@@ -137,7 +137,14 @@ def _check_signals(graph: "FinishedGraph") -> None:
         for law in written_laws(node):
             for signal in signals_in(law):
                 _check_signal(graph, node.name, signal)
+    driven = {source.name for source in graph.inputs}
     for measurement in graph.measurements:
+        if measurement.name in driven:
+            raise StructureError(
+                f"{measurement.name!r} is an input and a measurement.",
+                (measurement.name,),
+                "Give one of them another name: a recording has one channel of a name.",
+            )
         for signal in signals_in(measurement.expression):
             _check_signal(graph, measurement.name, signal)
 

@@ -25,6 +25,7 @@ from bondgraph.diagnosis.virtual.chain import Chain, linear_chain
 from bondgraph.diagnosis.virtual.noise import output_noise
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.model_channels import matched
 
 Array = NDArray[np.float64]
 MOST_ROWS = 40_000
@@ -57,6 +58,7 @@ def adequacy(
     seed
         Of the simulations.
     """
+    recordings = matched(fitted.graph, recordings)
     random = np.random.default_rng(seed)
     told = output_noise(recordings)
     chain = _thinned(linear_chain(fitted))

@@ -47,6 +47,7 @@ from bondgraph.diagnosis.virtual.sources import (
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.model_channels import matched
 from bondgraph.structure.domains import ROTATION
 
 Array = NDArray[np.float64]
@@ -115,6 +116,7 @@ def locate(
         If a place is not in the model, or the model, as it was fitted, cannot be
         simulated with a signal at any of them.
     """
+    recordings = matched(fitted.graph, recordings)
     sources = chosen_sources(fitted.graph, places)
     setting = _Setting(
         fitted,

@@ -12,6 +12,7 @@ from enum import StrEnum
 import sympy
 
 from bondgraph.equations.algebra.rational import Row, solved
+from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.equations.steady_state import SteadyState
 from bondgraph.equations.transfer.closed_form import (
@@ -29,6 +30,7 @@ from bondgraph.equations.transfer.operating_point import OperatingPoint
 from bondgraph.equations.transfer.pencil import Pencil
 from bondgraph.equations.transfer.transfer_function import TransferFunction
 from bondgraph.equations.transfer.transfer_matrix import TransferMatrix
+from bondgraph.structure.graph import FinishedGraph
 
 
 class Form(StrEnum):
@@ -150,12 +152,15 @@ def _reached(start: list[int], edges: Mapping[int, list[int]]) -> set[int]:
 
 
 def linearise(
-    equations: StateEquations, at: Mapping[str, object] | SteadyState | None = None
+    equations: StateEquations | FinishedGraph,
+    at: Mapping[str, object] | SteadyState | None = None,
 ) -> LinearSystem:
     """Return the linear system around an operating point.
 
     Parameters
     ----------
+    equations
+        Or the finished graph that they are derived from.
     at
         Values (numbers or expressions of parameters) of states, inputs and ``t`` by
         name at the operating point, zero where not named, or what `steady_state`
@@ -167,6 +172,8 @@ def linearise(
         If a law has no derivative at the operating point (a kink whose two sides
         differ, a jump).
     """
+    if isinstance(equations, FinishedGraph):
+        equations = derive(equations)
     point = OperatingPoint(equations, at)
     raw = first_order(equations, point)
     states = [state.symbol for state in equations.states]

@@ -25,6 +25,7 @@ from bondgraph.fitting.problem import (
 )
 from bondgraph.fitting.settings import FitSettings
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.model_channels import matched
 from bondgraph.simulation.shooting import Shots, shoot
 from bondgraph.structure.graph import FinishedGraph
 
@@ -95,7 +96,7 @@ def identifiability(
         If the model measures nothing, or a parameter has no value.
     """
     chosen = FitSettings() if settings is None else settings
-    model = prepare(graph)
+    model, recordings = prepare(graph), matched(graph, recordings)
     short = [
         recording.part(0, min(len(recording), SAMPLES)) for recording in recordings
     ]

@@ -28,6 +28,7 @@ from bondgraph.fitting.result import Estimate
 from bondgraph.fitting.scoring import Climbed, climb
 from bondgraph.fitting.settings import FitSettings
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.model_channels import matched
 from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
@@ -104,6 +105,7 @@ def fit_innovations(
         `shaken` is no state.
     """
     chosen = FitSettings() if settings is None else settings
+    recordings = matched(graph, recordings)
     tried = filter_starts(graph, recordings, shaken, chosen, kalman or Extended())
     found = [(setting, best_noise(setting)) for setting in tried]
     able = [(setting, start) for setting, start in found if start is not None]
