@@ -217,3 +217,46 @@ def test_a_clock_without_unit_is_refused_in_a_data_set():
     with pytest.raises(RecordingError, match=r"'time' .* has no unit"):
         from_xarray(data)
     assert from_xarray(data, units={"time": "s"}).duration == pytest.approx(TIME[-1])
+
+
+DATES = pd.to_datetime("2026-01-31T23:59:59.75") + pd.to_timedelta(TIME, unit="s")
+
+
+@pytest.mark.parametrize(
+    ("header", "zone"),
+    [
+        ("time,u [N]", ""),
+        ("time [UTC],u [N]", "Z"),
+        ("# time,u [N]", "+01:00"),
+        ("time,u\nISO 8601,N", ""),
+    ],
+)
+def test_a_csv_of_dates_is_read_as_seconds(header, zone, tmp_path):
+    rows = zip(DATES, DRIVE, strict=True)
+    lines = [f"{date.isoformat(sep=' ')}{zone},{u:.9g}" for date, u in rows]
+    (tmp_path / "r.csv").write_text("\n".join([header, *lines]))
+    found = read_recording(tmp_path / "r.csv")
+    assert found.time == pytest.approx(TIME, abs=1e-9)
+    assert found.channel("u").values == pytest.approx(DRIVE, abs=1e-8)
+
+
+@pytest.mark.parametrize("cell", ["2026-02-01T00:00:00Z", "0.5", "yesterday"])
+def test_a_cell_that_is_no_date_like_the_first_is_named(cell, tmp_path):
+    lines = [
+        f"{date.isoformat()},{u:.9g}" for date, u in zip(DATES, DRIVE, strict=True)
+    ]
+    lines[7] = f"{cell},0.1"
+    (tmp_path / "r.csv").write_text("\n".join(["time,u [N]", *lines]))
+    with pytest.raises(RecordingError, match=r"Line 9 .* no date like the first, 2026"):
+        read_recording(tmp_path / "r.csv")
+
+
+def test_what_a_choice_says_against_the_file_is_noted(tmp_path):
+    lines = [f"{t:.3f},{u:.9g}" for t, u in zip(TIME, DRIVE, strict=True)]
+    (tmp_path / "r.csv").write_text("\n".join(["time [s],u [N]", *lines]))
+    path = tmp_path / "r.csv"
+    assert read_recording(path, mapping={"u": "u [N]"}).notes == ()
+    (note,) = read_recording(path, mapping={"u": "u [kN]"}).notes
+    assert note == "u was read in kN, as asked; its header says N."
+    (note,) = read_recording(path, step=0.2, channels=("u",)).notes
+    assert "'time' was left aside: samples are 0.2 s apart" in note

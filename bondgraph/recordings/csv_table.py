@@ -5,12 +5,14 @@ the line and the column of the first cell that is at fault, or to let empty cell
 through as gaps. Never more than a block of text is held, however long the file.
 
 Loggers write more than a header before the numbers: comments, behind the last of which
-the names may stand, and units in a line of their own.
+the names may stand, and units in a line of their own. And they write dates (ISO 8601):
+such a column is seconds since its first row.
 """
 
 import csv
 import io
 from collections.abc import Iterator, Sequence
+from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,6 +21,7 @@ import numpy as np
 from bondgraph.errors import RecordingError
 from bondgraph.recordings.channel import FloatArray
 from bondgraph.recordings.files import digest
+from bondgraph.recordings.names import join_header, split_header
 from bondgraph.recordings.repairs import AbstractTable
 
 MARKS = (
@@ -75,7 +78,12 @@ class CsvTable(AbstractTable):
         self._encoding = _encoding(path, encoding)
         first, header = self._header_line()
         self._first_line = first + 1
-        self.headers = self._with_units(self._split_headers(header))
+        headers = self._with_units(self._split_headers(header))
+        self._begins = self._first_dates(len(headers))
+        self.headers = tuple(
+            join_header(split_header(name)[0], "s") if i in self._begins else name
+            for i, name in enumerate(headers)
+        )
 
     def columns(self, indices: Sequence[int]) -> list[FloatArray]:
         """Return the columns numbered `indices`; nan stands for an empty cell."""
@@ -119,8 +127,14 @@ class CsvTable(AbstractTable):
         )
 
     def _is_all_numbers(self, line: str) -> bool:
-        cells = line.strip().split(self._delimiter)
-        return all(_is_number(cell.strip(), self._decimal) for cell in cells)
+        cells = (cell.strip() for cell in line.strip().split(self._delimiter))
+        return all(_is_number(cell, self._decimal) or _date(cell) for cell in cells)
+
+    def _first_dates(self, columns: int) -> dict[int, datetime]:
+        """Return the date in the first row of each column that begins with one."""
+        _, line = _filled(next(self._text_blocks()))[0]
+        dates = enumerate(_date(cell.strip()) for cell in line.split(self._delimiter))
+        return {i: date for i, date in dates if date is not None and i < columns}
 
     def _with_units(self, names: tuple[str, ...]) -> tuple[str, ...]:
         """Return the names with the units of a line below them, if there is one.
@@ -266,18 +280,47 @@ class CsvTable(AbstractTable):
     def _number(self, cell: str, line: int, index: int) -> float:
         if not cell:
             return float("nan")
+        if index in self._begins:
+            return self._seconds(cell, line, index)
         if _is_number(cell, self._decimal):
             return float(cell.replace(self._decimal, "."))
-        shown = cell[:LONGEST_CELL_SHOWN] + "…" * (len(cell) > LONGEST_CELL_SHOWN)
         comma = self._decimal == "." and _is_number(cell, ",")
         raise RecordingError(
-            f"Line {line} of {self.source!r} has {shown!r} in column {index + 1} "
-            f"({self.headers[index]!r}), which is not a number.",
+            f"Line {line} of {self.source!r} has {_shown(cell)!r} in column "
+            f"{index + 1} ({self.headers[index]!r}), which is not a number.",
             (self.source, self.headers[index]),
             'Give decimal=",".'
             if comma
             else "Mend that cell, or leave the column out with channels=(...).",
         )
+
+    def _seconds(self, cell: str, line: int, index: int) -> float:
+        """Return the seconds from the first date of a column to another."""
+        begin, date = self._begins[index], _date(cell)
+        # One clock: all of them with a time zone, or none.
+        if date is None or (date.tzinfo is None) != (begin.tzinfo is None):
+            raise RecordingError(
+                f"Line {line} of {self.source!r} has {_shown(cell)!r} in column "
+                f"{index + 1} ({self.headers[index]!r}), which is no date like the "
+                f"first, {begin.isoformat()}.",
+                (self.source, self.headers[index]),
+                "Mend that cell, or write times as seconds.",
+            )
+        return (date - begin).total_seconds()
+
+
+def _date(cell: str) -> datetime | None:
+    """Return the date and time that a cell is, None where it is none."""
+    if not cell[:4].isdigit() or "-" not in cell:
+        return None
+    try:
+        return datetime.fromisoformat(cell)
+    except ValueError:
+        return None
+
+
+def _shown(cell: str) -> str:
+    return cell[:LONGEST_CELL_SHOWN] + "…" * (len(cell) > LONGEST_CELL_SHOWN)
 
 
 def _filled(block: Block) -> list[tuple[int, str]]:
