@@ -8,7 +8,7 @@ import math
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from inspect import isabstract
-from numbers import Integral, Real
+from numbers import Integral
 from typing import Any, get_args
 
 from bondgraph.errors import BondGraphError
@@ -28,7 +28,9 @@ def refuse_other(
     """
     if isinstance(value, family):
         return
-    known = [name for kind in get_args(family) or (family,) for name in _names(kind)]
+    kinds = get_args(family) or (family,)
+    # A class with slots stands beside the one it was made from.
+    known = list(dict.fromkeys(name for kind in kinds for name in _names(kind)))
     raise refusal(
         f"{what} is {_shown(value)}, which is none.",
         (_shown(value),),
@@ -57,9 +59,20 @@ def refuse_other_size(
         )
 
 
-def is_finite(value: object) -> bool:
+def is_number(value: Any) -> bool:
+    """Return whether `value` is one real number, of whatever type; text is none."""
+    if isinstance(value, str) or getattr(value, "ndim", 0) != 0:
+        return False
+    try:
+        float(value)
+    except (TypeError, ValueError):
+        return False
+    return True
+
+
+def is_finite(value: Any) -> bool:
     """Return whether `value` is one finite real number."""
-    return isinstance(value, Real) and math.isfinite(value)
+    return is_number(value) and math.isfinite(value)
 
 
 def _shown(value: object) -> str:

@@ -17,7 +17,7 @@ from bondgraph.fitting.horizon import (
     cut,
 )
 from bondgraph.fitting.levenberg_marquardt import Optimum, minimise
-from bondgraph.fitting.posing import pose
+from bondgraph.fitting.posing import pose, refuse_none
 from bondgraph.fitting.problem import FitProblem
 from bondgraph.fitting.settings import FitSettings
 from bondgraph.fitting.solving import solve
@@ -57,6 +57,7 @@ def automatic_horizon(
     level over short windows: while measurement noise dominates it is level, and it
     grows once what the model leaves out accumulates.
     """
+    refuse_none(graph, recordings, "fit")
     whole = WholeRecordings()
     if not accumulates(graph, model, recordings, settings):
         return whole, None

@@ -1,6 +1,7 @@
 """From a graph and windows of recordings to a least-squares problem."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +12,31 @@ from bondgraph.fitting.natural_bounds import bounds_by_name
 from bondgraph.fitting.problem import FitProblem
 from bondgraph.fitting.settings import FitSettings
 from bondgraph.numeric.model import NumericModel, compile_model
+from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.spread import size
 from bondgraph.simulation.shooting import Shots
 from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
+
+
+def refuse_none(
+    graph: FinishedGraph, recordings: Sequence[BoundRecording], to_do: str
+) -> None:
+    """Raise FitError if there is no recording.
+
+    Parameters
+    ----------
+    to_do
+        What there is none for, such as ``"fit"``.
+    """
+    if not recordings:
+        raise FitError(
+            f"There is no recording to {to_do} {graph.name!r}.",
+            (graph.name,),
+            "Give at least one, read with read_for(graph, path) or made with "
+            "bind_to(graph, recording).",
+        )
 
 
 def prepare(graph: FinishedGraph) -> NumericModel:

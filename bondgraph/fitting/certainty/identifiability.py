@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from bondgraph.fitting.certainty.combinations import Local, combination_sentences
 from bondgraph.fitting.horizon import WholeRecordings, cut
-from bondgraph.fitting.posing import pose, prepare
+from bondgraph.fitting.posing import pose, prepare, refuse_none
 from bondgraph.fitting.problem import (
     FitProblem,
     linearise_windows,
@@ -92,9 +92,11 @@ def identifiability(
     Raises
     ------
     FitError, ParameterError
-        If the model measures nothing, or a parameter has no value.
+        If there is no recording, the model measures nothing, or a parameter has no
+        value.
     """
     chosen = FitSettings() if settings is None else settings
+    refuse_none(graph, recordings, "tell what can be known of")
     model = prepare(graph)
     short = [
         recording.part(0, min(len(recording), SAMPLES)) for recording in recordings

@@ -15,7 +15,7 @@ from bondgraph.fitting.kalman.filter_setting import Filtered, Setting, Unknowns
 from bondgraph.fitting.kalman.filtering import filtered
 from bondgraph.fitting.kalman.kalman_choices import KalmanFilter
 from bondgraph.fitting.levenberg_marquardt import minimise
-from bondgraph.fitting.posing import pose, prepare
+from bondgraph.fitting.posing import pose, prepare, refuse_none
 from bondgraph.fitting.problem import FitProblem, Linearisation
 from bondgraph.fitting.settings import FitSettings
 from bondgraph.fitting.settling import settle
@@ -45,6 +45,7 @@ def filter_starts(
         If the model has no state or output, a parameter has no value, or a name in
         `shaken` is no state.
     """
+    refuse_none(graph, recordings, "fit")
     model = prepare(graph)
     names = model.state_names
     if not names:
