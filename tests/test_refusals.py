@@ -89,6 +89,7 @@ def offset(one, other, **choices):
 
 
 MOVING = np.sin(TIME**2)
+HARDLY = np.where(TIME < 0.3, MOVING, np.nan)
 LEAD = Lead(gain=1.0, zero=1.0, pole=5.0)
 
 ROWS = {
@@ -147,9 +148,7 @@ ROWS = {
         "'u' is in 'm' in 'run' and in 'V'",
     ),
     "a clock that was not read": (
-        lambda: offset(
-            recorded(MOVING), recorded(np.where(TIME < 0.3, MOVING, np.nan))
-        ),
+        lambda: offset(recorded(MOVING), recorded(HARDLY)),
         "fewer than 8 samples",
     ),
     "no largest offset": (

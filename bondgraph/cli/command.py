@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 import click
 
+from bondgraph.cli.output_file import OutputFile
 from bondgraph.cli.session import Colour, Loudness, Session
 from bondgraph.errors import did_you_mean
 
@@ -175,6 +176,6 @@ def json_option(command: F) -> F:
         "--json",
         "json_file",
         metavar="FILE",
-        type=click.Path(allow_dash=True),
+        type=OutputFile(),
         help="Write the answer as JSON; - is stdout and leaves the words out.",
     )(command)

@@ -14,6 +14,7 @@ from bondgraph.cli.inputs import (
     read_recordings,
     recording_argument,
 )
+from bondgraph.cli.output_file import OutputFile
 from bondgraph.cli.reading_options import Reading, recording_options
 from bondgraph.cli.session import Session
 from bondgraph.cli.work_options import time_limit, work_options
@@ -56,13 +57,13 @@ TIME_LIMIT = "8"  # min
     help=f"Without --held-out: the share to train on, {SPLIT:g} by default.",
 )
 @click.option(
-    "--html", metavar="FILE", type=click.Path(), help="Write the report page."
+    "--html", metavar="FILE", type=OutputFile(), help="Write the report page."
 )
 @click.option(
     "--next-experiment",
     "experiment_file",
     metavar="FILE.csv",
-    type=click.Path(),
+    type=OutputFile(),
     help="Write the input to play that would tell apart what is left close.",
 )
 @click.option(

@@ -19,6 +19,7 @@ from bondgraph.cli.inputs import (
     read_recordings,
     recording_argument,
 )
+from bondgraph.cli.output_file import OutputFile
 from bondgraph.cli.reading_options import Reading, recording_options
 from bondgraph.cli.session import Session
 from bondgraph.cli.terminal import table_style
@@ -50,7 +51,7 @@ from bondgraph.reporting.tables import INTERVAL, estimates_table
     "-o",
     "--output",
     metavar="FILE",
-    type=click.Path(allow_dash=True),
+    type=OutputFile(),
     help="Write the fitted model (Python).",
 )
 @click.option(

@@ -6,6 +6,7 @@ import click
 
 from bondgraph.cli.command import Command, json_option
 from bondgraph.cli.inputs import model_argument, read_model
+from bondgraph.cli.output_file import OutputFile
 from bondgraph.cli.session import Session
 from bondgraph.cli.shaping_file import ShapingRequest, read_request
 from bondgraph.equations.deriving.derivation import derive
@@ -42,7 +43,7 @@ MOST_STATES = 12
     "-o",
     "--output",
     metavar="FILE",
-    type=click.Path(allow_dash=True),
+    type=OutputFile(),
     help="Write the charts of the loop: a .png, .svg or .pdf.",
 )
 @json_option

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from bondgraph.choices import is_finite
 from bondgraph.errors import RecordingError
 from bondgraph.recordings.channel import Channel, FloatArray
-from bondgraph.recordings.recording import Recording
+from bondgraph.recordings.recording import LEAST_SAMPLES, Recording
 from bondgraph.structure.units import compatible
 
 SAME_TIME = 1e-6
@@ -25,9 +25,6 @@ COARSE_SAMPLES = 5000
 
 LEAST_CORRELATION = 0.5
 """Below it two channels do not show the same motion."""
-
-LEAST_SAMPLES = 8
-"""Fewer tell nothing of a motion."""
 
 REFINEMENTS = 6
 
