@@ -98,14 +98,22 @@ from .loopshaping.delivery.arithmetic import Double as Double
 from .loopshaping.delivery.arithmetic import FixedPoint as FixedPoint
 from .loopshaping.delivery.arithmetic import Single as Single
 from .loopshaping.delivery.c_code import controller_to_c99 as controller_to_c99
+from .loopshaping.delivery.difference_equation import (
+    controller_to_control as controller_to_control,
+)
+from .loopshaping.delivery.difference_equation import (
+    difference_equations as difference_equations,
+)
 from .loopshaping.delivery.digital import DigitalController as DigitalController
 from .loopshaping.delivery.digital import digital_controller as digital_controller
 from .loopshaping.delivery.discretise import ExactHold as ExactHold
 from .loopshaping.delivery.discretise import Matched as Matched
 from .loopshaping.delivery.discretise import Tustin as Tustin
 from .loopshaping.delivery.feedforward import gravity_feedforward as gravity_feedforward
+from .loopshaping.delivery.sampled_loop import AbstractPlant as AbstractPlant
 from .loopshaping.delivery.sampled_loop import Encoder as Encoder
 from .loopshaping.delivery.sampled_loop import LinearPlant as LinearPlant
+from .loopshaping.delivery.sampled_loop import sampled_loop as sampled_loop
 from .loopshaping.delivery.sampled_loop import simulate_sampled as simulate_sampled
 from .loopshaping.friction import FrictionRule as FrictionRule
 from .loopshaping.friction import with_friction_pole as with_friction_pole
@@ -165,10 +173,13 @@ from .numeric.steady_state import steady_state as steady_state
 from .physics.descriptions import Confusion as Confusion
 from .physics.descriptions import Description as Description
 from .physics.descriptions import describe as describe
+from .physics.friction import CoulombFriction as CoulombFriction
+from .physics.friction import ViscousFriction as ViscousFriction
 from .physics.hypothesis import AbstractPhysics as AbstractPhysics
 from .physics.hypothesis import Hypothesis as Hypothesis
 from .physics.hypothesis import Passivity as Passivity
 from .physics.library import LIBRARY as LIBRARY
+from .physics.places.base import MECHANICAL as MECHANICAL
 from .physics.places.base import Coefficient as Coefficient
 from .physics.places.base import Place as Place
 from .physics.places.bond import BondPlace as BondPlace
@@ -255,6 +266,7 @@ from .structure.detectors import De as De
 from .structure.detectors import Df as Df
 from .structure.detectors import Dp as Dp
 from .structure.detectors import Dq as Dq
+from .structure.domains import Quantity as Quantity
 from .structure.edits import ConnectJunctions as ConnectJunctions
 from .structure.edits import InsertElement as InsertElement
 from .structure.edits import LoosenBond as LoosenBond

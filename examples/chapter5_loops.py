@@ -22,11 +22,11 @@ from scipy.signal import lsim
 from bondgraph import (
     FrictionRule,
     SecondOrderPrototype,
+    SheetRow,
     comparison_sheet,
     state_space,
     write_picture,
 )
-from bondgraph.reporting.loop_pictures import SheetRow
 from flegx_models.controllers import (
     MODELS,
     evaluated,

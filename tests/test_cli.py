@@ -603,6 +603,31 @@ WRONG_WORDS = {
     "unit": (("fit", "MODEL", "REC", "--unit", "force"), "--unit name=unit"),
     "mapping": (("fit", "MODEL", "REC", "--map", "force"), "name=channel"),
     "place of output": (("draw", "MODEL", "-o", "no/such/x.svg"), "cannot be written"),
+    "form of a picture": (
+        ("draw", "MODEL", "-o", "x.gif"),
+        "'x.gif' ends in .gif, and what is written is .svg or .png.",
+    ),
+    # Before anything is read: there is no such recording either.
+    "place of a page": (
+        ("diagnose", "MODEL", "none.csv", "--html", "no/such/x.html"),
+        "'no/such/x.html' cannot be written",
+    ),
+    "place of an experiment": (
+        ("diagnose", "MODEL", "none.csv", "--next-experiment", "no/such/x.csv"),
+        "'no/such/x.csv' cannot be written",
+    ),
+    "place of JSON": (
+        ("diagnose", "MODEL", "none.csv", "--json", "no/such/x.json"),
+        "'no/such/x.json' cannot be written",
+    ),
+    "place of a fitted model": (
+        ("fit", "MODEL", "none.csv", "-o", "."),
+        "'.' cannot be written (Is a directory)",
+    ),
+    "place of results": (
+        ("check", "none.toml", "--junit", "no/such/x.xml"),
+        "'no/such/x.xml' cannot be written",
+    ),
     "two answers on stdout": (("draw", "MODEL", "--json", "-"), "both go to stdout"),
     "blame": (("draw", "MODEL", "--blame", "REC"), "not the JSON of a diagnosis"),
 }

@@ -58,6 +58,18 @@ def test_links_between_pages_lead_somewhere(page: Path) -> None:
             assert (page.parent / target).exists(), f"{page.name} links to {target}"
 
 
+WITHIN = {"extending/a_reader": "is written against the layer that reads files"}
+OTHERS = [*sorted((ROOT / "examples").rglob("*.py")), *sorted(DOCS.rglob("*.ipynb"))]
+
+
+@pytest.mark.parametrize("page", [*PAGES, *OTHERS], ids=lambda page: page.stem)
+def test_what_a_page_teaches_is_imported_from_the_package_itself(page: Path) -> None:
+    if page.is_relative_to(DOCS) and name(page) in WITHIN:
+        return
+    deep = re.compile(r"^[\s\"]*(?:from|import) bondgraph\.\S+", re.M)
+    assert not deep.findall(page.read_text(encoding="utf-8"))
+
+
 LEG = "from flegx_models.models import lowerleg_flight as {name}\n"
 WITHOUT = (
     "from bondgraph import BondGraph, I, Se\n\n\n"

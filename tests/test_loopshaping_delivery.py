@@ -23,9 +23,9 @@ from bondgraph.loopshaping.delivery.anti_windup import (
 from bondgraph.loopshaping.delivery.arithmetic import Double, FixedPoint, Single
 from bondgraph.loopshaping.delivery.c_code import FLAGS, controller_to_c99
 from bondgraph.loopshaping.delivery.difference_equation import (
-    as_text,
     controller_to_control,
     difference_equation,
+    difference_equations,
 )
 from bondgraph.loopshaping.delivery.digital import digital_controller
 from bondgraph.loopshaping.delivery.discretise import ExactHold, Matched, Tustin
@@ -183,7 +183,7 @@ def test_difference_equation_computes_the_same():
     simple = digital_controller(LEAD, PERIOD)
     run = simple.run()
     assert [run.step(one, 0.0) for one in e] == pytest.approx(v)
-    assert "min(max(" in as_text(delivered(limits=(-1.0, 1.0)))
+    assert "min(max(" in difference_equations(delivered(limits=(-1.0, 1.0)))
 
 
 def test_rounding_of_coefficients_moves_the_measured_margins():

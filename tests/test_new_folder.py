@@ -46,6 +46,14 @@ def test_every_printed_command_but_the_long_one_works(folder):
     assert load_model("fitted.py").name == load_model(f"{folder}.py").name
 
 
+def test_a_folder_is_named_as_a_shell_reads_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    said = run("new", "my motor")
+    assert said.exit_code == 0, said.output
+    (line,) = (line for line in said.output.splitlines() if "  cd " in line)
+    assert shlex.split(line) == ["cd", "my motor"]
+
+
 def test_the_made_recordings_do_not_fit_the_model_alone(folder):
     words = ("fit", f"{folder}.py", TRAIN, *READ, "--json", "-")
     fitted = json.loads(run(*words).stdout)

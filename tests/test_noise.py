@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bondgraph.errors import RecordingError
 from bondgraph.recordings.noise import (
     estimate_noise,
     noise_std,
@@ -113,7 +114,12 @@ def test_a_channel_at_rest_has_the_noise_of_its_step():
 def test_constant_and_tiny_channels_have_none():
     assert noise_std(clock(50), np.full(50, 3.3)) == 0.0
     assert noise_std(clock(9), np.sqrt(np.arange(9.0))) == 0.0
-    assert estimate_noise([], []).std == 0.0
+
+
+@pytest.mark.parametrize("values", [[], [np.nan] * 20])
+def test_a_channel_that_was_not_measured_is_not_free_of_noise(values):
+    with pytest.raises(RecordingError, match="nothing was measured"):
+        estimate_noise(np.arange(float(len(values))), values)
 
 
 # --- the grid ------------------------------------------------------------------------

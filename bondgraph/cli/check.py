@@ -7,9 +7,9 @@ import click
 from bondgraph.checking.junit import write_junit
 from bondgraph.checking.run import CheckReport, run_checks, shown
 from bondgraph.cli.command import Command, json_option
+from bondgraph.cli.output_file import OutputFile
 from bondgraph.cli.session import Session
 from bondgraph.cli.terminal import table_style
-from bondgraph.cli.written import Written
 from bondgraph.reporting.tables import CheckRow, checks_table
 
 
@@ -23,7 +23,7 @@ from bondgraph.reporting.tables import CheckRow, checks_table
 )
 @click.argument("file", default="pyproject.toml", type=click.Path())
 @click.option(
-    "--junit", metavar="FILE", type=Written(), help="Write the results as JUnit XML."
+    "--junit", metavar="FILE", type=OutputFile(), help="Write the results as JUnit XML."
 )
 @json_option
 @click.pass_obj

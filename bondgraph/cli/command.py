@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 
 import click
 
+from bondgraph.cli.output_file import OutputFile, refuse_overwriting
 from bondgraph.cli.session import Colour, Loudness, Session
-from bondgraph.cli.written import Written, refuse_overwriting
 from bondgraph.errors import did_you_mean
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -181,6 +181,6 @@ def json_option(command: F) -> F:
         "--json",
         "json_file",
         metavar="FILE",
-        type=Written(allow_dash=True),
+        type=OutputFile(),
         help="Write the answer as JSON; - is stdout and leaves the words out.",
     )(command)

@@ -14,10 +14,10 @@ from bondgraph.cli.inputs import (
     read_recordings,
     recording_argument,
 )
+from bondgraph.cli.output_file import OutputFile
 from bondgraph.cli.reading_options import Reading, recording_options
 from bondgraph.cli.session import Session
 from bondgraph.cli.work_options import time_limit, work_options
-from bondgraph.cli.written import Written
 from bondgraph.diagnosis.work.workers import Where
 from bondgraph.errors import RecordingError
 from bondgraph.fitting.estimate import FitSettings
@@ -56,12 +56,14 @@ TIME_LIMIT = "8"  # min
     type=click.FloatRange(0, 1, min_open=True, max_open=True),
     help=f"Without --held-out: the share to train on, {SPLIT:g} by default.",
 )
-@click.option("--html", metavar="FILE", type=Written(), help="Write the report page.")
+@click.option(
+    "--html", metavar="FILE", type=OutputFile(), help="Write the report page."
+)
 @click.option(
     "--next-experiment",
     "experiment_file",
     metavar="FILE.csv",
-    type=Written(),
+    type=OutputFile(),
     help="Write the input to play that would tell apart what is left close.",
 )
 @click.option(

@@ -11,8 +11,8 @@ import click
 from bondgraph.causality.assignment import assign_causality
 from bondgraph.cli.command import Command, OneOf, json_option
 from bondgraph.cli.inputs import model_argument, read_model
+from bondgraph.cli.output_file import OutputFile
 from bondgraph.cli.session import STDOUT, Session
-from bondgraph.cli.written import Written
 from bondgraph.errors import BondGraphError
 from bondgraph.reporting.drawing import (
     BondLabels,
@@ -45,7 +45,7 @@ _NUMBER = {
     "--output",
     default=STDOUT,
     metavar="FILE",
-    type=Written(allow_dash=True),
+    type=OutputFile(".svg", ".png"),
     help="Where to write the picture, SVG or by its name PNG; stdout otherwise.",
 )
 @click.option(

@@ -7,8 +7,8 @@ import click
 
 from bondgraph.cli.command import Command, OneOf, json_option
 from bondgraph.cli.inputs import model_argument, read_model
+from bondgraph.cli.output_file import OutputFile
 from bondgraph.cli.session import STDOUT, Session
-from bondgraph.cli.written import Written
 from bondgraph.reporting.export.exporting import (
     C99,
     ExportedFile,
@@ -60,7 +60,7 @@ _FORMERLY = {"python-control": "control"}
     "--output",
     default=STDOUT,
     metavar="FILE",
-    type=Written(allow_dash=True),
+    type=OutputFile(),
     help="Where to write it, which also names it there; stdout otherwise.",
 )
 @json_option

@@ -19,10 +19,10 @@ from bondgraph.cli.inputs import (
     read_recordings,
     recording_argument,
 )
+from bondgraph.cli.output_file import OutputFile
 from bondgraph.cli.reading_options import Reading, recording_options
 from bondgraph.cli.session import Session
 from bondgraph.cli.terminal import table_style
-from bondgraph.cli.written import Written
 from bondgraph.errors import FitError
 from bondgraph.fitting.certainty.profile import profile
 from bondgraph.fitting.either_hold import fitted_either_way
@@ -51,7 +51,7 @@ from bondgraph.reporting.tables import INTERVAL, estimates_table
     "-o",
     "--output",
     metavar="FILE",
-    type=Written(allow_dash=True),
+    type=OutputFile(),
     help="Write the fitted model (Python).",
 )
 @click.option(

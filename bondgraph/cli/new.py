@@ -1,5 +1,6 @@
 """``bondgraph new``: a folder to start from, in which every command works at once."""
 
+import shlex
 from pathlib import Path
 
 import click
@@ -46,7 +47,7 @@ def command(
         session.write(folder / file, text)
     session.say(f"{folder}: {start.is_what}.")
     session.hint("Type, for example:\n")
-    session.hint(f"  cd {folder}")
+    session.hint(f"  cd {shlex.quote(str(folder))}")
     for line in commands(start):
         session.hint(f"  {line}")
     session.hint(f"\n{folder / 'README.md'} says what each file is.")

@@ -6,9 +6,9 @@ import click
 
 from bondgraph.cli.command import Command, json_option
 from bondgraph.cli.inputs import model_argument, read_model
+from bondgraph.cli.output_file import OutputFile
 from bondgraph.cli.session import Session
 from bondgraph.cli.shaping_file import ShapingRequest, read_request
-from bondgraph.cli.written import Written
 from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.transfer.linear import linearise
 from bondgraph.loopshaping.loop import zero_pole_gain
@@ -43,7 +43,7 @@ MOST_STATES = 12
     "-o",
     "--output",
     metavar="FILE",
-    type=Written(allow_dash=True),
+    type=OutputFile(),
     help="Write the charts of the loop: a .png, .svg or .pdf.",
 )
 @json_option

@@ -16,9 +16,9 @@ from bondgraph.cli.inputs import (
     read_recordings,
     recording_argument,
 )
+from bondgraph.cli.output_file import OutputFile
 from bondgraph.cli.reading_options import Reading, recording_options
 from bondgraph.cli.session import Session
-from bondgraph.cli.written import Written
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.fitting.simulate import Solution, SolveStatus, simulate
@@ -50,7 +50,7 @@ LISTED_EVENTS = 8
     "-o",
     "--output",
     metavar="FILE",
-    type=Written(allow_dash=True),
+    type=OutputFile(),
     help="Write measured and simulated.",
 )
 @fit_options(window="whole")

@@ -11,6 +11,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+from bondgraph.choices import refuse_other
 from bondgraph.diagnosis.answer.notes import notes_on_gaps
 from bondgraph.diagnosis.answer.telling import answer
 from bondgraph.diagnosis.evidence.leftover import excusable
@@ -24,6 +25,7 @@ from bondgraph.diagnosis.work.clock import Progress
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.limit import Limit
 from bondgraph.diagnosis.work.workers import workshop
+from bondgraph.errors import FitError, RecordingError
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.model_channels import matched, refuse_twice
 from bondgraph.recordings.windows import windows
@@ -56,12 +58,15 @@ def diagnose(
     Raises
     ------
     FitError
-        If the base model cannot be simulated at all.
+        If the base model cannot be simulated at all, or `options` are none.
     RecordingError
-        If a measured output never changes in any of the training recordings, or one of
-        the recordings is too short, or too full of gaps, to simulate anything over.
+        If there is none to train on or to hold out, a measured output never changes in
+        any of the training recordings, or one of the recordings is too short, or too
+        full of gaps, to simulate anything over.
     """
     chosen = Options() if options is None else options
+    refuse_other(chosen, Options, "What is to set the diagnosis", FitError)
+    _check_given(graph, recordings, held_out)
     limit = Limit.after(chosen.seconds)
     refuse_twice(recordings)
     recordings = matched(graph, recordings)
@@ -84,6 +89,23 @@ def diagnose(
     gaps = notes_on_gaps((*recordings, *held_out))
     notes = (*found.notes, *read.notes, *kept_back.notes, *gaps)
     return replace(found, notes=notes)
+
+
+def _check_given(
+    graph: FinishedGraph,
+    recordings: Sequence[BoundRecording],
+    held_out: Sequence[BoundRecording],
+) -> None:
+    for given, what in (
+        (recordings, "diagnose from"),
+        (held_out, "show the answer on"),
+    ):
+        if not given:
+            raise RecordingError(
+                f"There is no recording of {graph.name!r} to {what}.",
+                (graph.name,),
+                "Give at least one; split(recording, 0.6) makes two of one.",
+            )
 
 
 __all__ = ["Options", "diagnose"]

@@ -34,14 +34,6 @@ class ReducedEquations:
     unknowns: tuple[sympy.Symbol, ...] = ()
     residuals: tuple[sympy.Expr, ...] = ()
 
-    @property
-    def is_explicit(self) -> bool:
-        """Whether the mass matrix is the unit matrix."""
-        size = len(self.forces)
-        return bool(
-            self.mass == sympy.ImmutableSparseMatrix(sympy.SparseMatrix.eye(size))
-        )
-
     def explicit(self) -> tuple[sympy.Expr, ...]:
         """Return ẋ, from a symbolic solution of ``mass · ẋ = forces``.
 

@@ -7,6 +7,7 @@ Statistics*, 1981; Lange, Little and Taylor, JASA 84, 1989).
 """
 
 from dataclasses import dataclass
+from typing import assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,7 +76,9 @@ def cost_of(loss: Loss, squared: Array) -> Array:
         case StudentT(nu):
             cost: Array = (nu + 1.0) * np.log1p(squared / nu)
             return cost
-    return squared
+        case SquaredError():
+            return squared
+    assert_never(loss)
 
 
 def weight_of(loss: Loss, squared: Array) -> Array:
@@ -86,7 +89,9 @@ def weight_of(loss: Loss, squared: Array) -> Array:
         case StudentT(nu):
             weight: Array = (nu + 1.0) / (nu + squared)
             return weight
-    return np.ones_like(squared)
+        case SquaredError():
+            return np.ones_like(squared)
+    assert_never(loss)
 
 
 def mean_curvature(loss: Loss, squared: Array) -> float:
@@ -99,7 +104,9 @@ def mean_curvature(loss: Loss, squared: Array) -> float:
             return float(np.mean(squared <= k * k))
         case StudentT(nu):
             return float(np.mean((nu + 1.0) * (nu - squared) / (nu + squared) ** 2))
-    return 1.0
+        case SquaredError():
+            return 1.0
+    assert_never(loss)
 
 
 def scale_of(loss: Loss, residuals: Array) -> float:

@@ -1,7 +1,10 @@
 """The choices of a simulation-error fit, all of them objects."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
+from bondgraph.choices import refuse_other, refuse_other_count
+from bondgraph.errors import FitError
 from bondgraph.fitting.horizon import Automatic, Horizon
 from bondgraph.fitting.loss import Loss, SquaredError
 from bondgraph.fitting.noise import Noise, WhiteNoise
@@ -30,6 +33,12 @@ class FitSettings:
         How to step, and how inputs behave between samples.
     iterations
         Limit of the optimiser.
+
+    Raises
+    ------
+    FitError
+        If a choice is none of its family: a word such as ``"huber"``, or a solver with
+        steps of its own, which gives no sensitivities.
     """
 
     horizon: Horizon = field(default_factory=Automatic)
@@ -40,3 +49,20 @@ class FitSettings:
     solver: Solver = field(default_factory=Sdirk2)
     hold: Hold = Hold.FIRST
     iterations: int = 60
+
+    def __post_init__(self) -> None:
+        for name, family in _FAMILIES.items():
+            refuse_other(getattr(self, name), family, f"The {name} of a fit", FitError)
+        what = "The limit of iterations of a fit"
+        refuse_other_count(self.iterations, 0, what, FitError)
+
+
+_FAMILIES: dict[str, Any] = {
+    "horizon": Horizon,
+    "strategy": Strategy,
+    "starts": Starts,
+    "loss": Loss,
+    "noise": Noise,
+    "solver": Solver,
+    "hold": Hold,
+}

@@ -7,9 +7,11 @@ same records serve a controller that is given, sized by a rule, or optimised.
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from bondgraph.choices import is_finite, is_number
 from bondgraph.errors import LoopShapingError, did_you_mean
 from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain
 
@@ -52,14 +54,29 @@ class AbstractController(ABC):
             )
         return name
 
+    def _finite(self, *names: str) -> None:
+        self._check(names, is_finite, "Give a finite number.")
+
+    def _not_negative(self, *names: str) -> None:
+        self._check(
+            names,
+            lambda x: is_finite(x) and x >= 0,
+            "Give a finite number that is not negative.",
+        )
+
     def _positive(self, *names: str) -> None:
+        self._check(names, lambda x: is_number(x) and x > 0, "Give a positive number.")
+
+    def _check(
+        self, names: tuple[str, ...], right: Callable[[Any], bool], remedy: str
+    ) -> None:
         for name in names:
             value = getattr(self, name)
-            if not value > 0:
+            if not right(value):
                 raise LoopShapingError(
-                    f"The {name} of a {self.kind} controller is {value}.",
+                    f"The {name} of a {self.kind} controller is {value!r}.",
                     (name,),
-                    "Give a positive number.",
+                    remedy,
                 )
 
     def __mul__(self, other: "AbstractController") -> "Product":
@@ -73,6 +90,9 @@ class Gain(AbstractController):
     gain: float = 1.0
 
     kind: ClassVar[str] = "gain"
+
+    def __post_init__(self) -> None:
+        self._finite("gain")
 
     @property
     def transfer(self) -> ZeroPoleGain:
@@ -94,6 +114,8 @@ class Lead(AbstractController):
     kind: ClassVar[str] = "lead"
 
     def __post_init__(self) -> None:
+        self._finite("gain")
+        self._not_negative("zero")
         self._positive("pole")
 
     @property
@@ -120,6 +142,11 @@ class LeadLag(AbstractController):
 
     kind: ClassVar[str] = "lead_lag"
 
+    def __post_init__(self) -> None:
+        self._finite("gain")
+        self._not_negative("zero", "lag_zero", "lag_pole")
+        self._positive("pole")
+
     @property
     def transfer(self) -> ZeroPoleGain:
         """The lead times the lag."""
@@ -135,6 +162,10 @@ class PI(AbstractController):
     zero: float = 1.0
 
     kind: ClassVar[str] = "pi"
+
+    def __post_init__(self) -> None:
+        self._finite("gain")
+        self._not_negative("zero")
 
     @property
     def transfer(self) -> ZeroPoleGain:
@@ -158,6 +189,8 @@ class Notch(AbstractController):
     kind: ClassVar[str] = "notch"
 
     def __post_init__(self) -> None:
+        self._finite("gain", "omega", "width")
+        self._not_negative("depth")
         self._positive("omega", "width")
 
     @property
@@ -181,7 +214,13 @@ class RollOff(AbstractController):
     kind: ClassVar[str] = "roll_off"
 
     def __post_init__(self) -> None:
-        self._positive("omega", "order")
+        self._finite("gain", "omega")
+        self._positive("omega")
+        self._check(
+            ("order",),
+            lambda n: is_finite(n) and n >= 1 and float(n).is_integer(),
+            "Give a whole number, at least one.",
+        )
 
     @property
     def transfer(self) -> ZeroPoleGain:

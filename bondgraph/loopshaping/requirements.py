@@ -13,6 +13,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from bondgraph.choices import is_finite
 from bondgraph.errors import LoopShapingError
 from bondgraph.loopshaping.curve import Curve, curve
 from bondgraph.loopshaping.distance import Peak, encirclements, sensitivity_peak
@@ -96,12 +97,14 @@ class AbstractRequirement(ABC):
     at_least: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        if not (self.limit > 0 and math.isfinite(self.limit)):
-            raise LoopShapingError(
-                f"A limit of {self.limit} {self.unit} for the {self.name} is no limit.",
-                (self.name,),
-                "Give a positive number.",
-            )
+        if not (is_finite(self.limit) and self.limit > 0):
+            raise self._no_limit("Give a positive number.")
+
+    def _no_limit(self, remedy: str) -> LoopShapingError:
+        limit = f"{self.limit} {self.unit}".strip()
+        return LoopShapingError(
+            f"A limit of {limit} for the {self.name} is no limit.", (self.name,), remedy
+        )
 
     @abstractmethod
     def achieved(self, loop: Assessment) -> float:
@@ -144,6 +147,11 @@ class GainMargin(AbstractRequirement):
 
     __slots__ = ()
     name = "gain margin"
+
+    def __post_init__(self) -> None:
+        AbstractRequirement.__post_init__(self)
+        if not self.limit > 1:  # the loop is at -1 there already
+            raise self._no_limit("Give a factor above one, such as 2.")
 
     def achieved(self, loop: Assessment) -> float:
         """Return the smallest factor above one."""
@@ -207,6 +215,15 @@ class NoiseGain(AbstractRequirement):
 
     name: ClassVar[str] = "noise gain"
     at_least: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        AbstractRequirement.__post_init__(self)
+        if not (is_finite(self.omega) and self.omega >= 0):
+            raise LoopShapingError(
+                f"There is no noise gain at {self.omega!r} rad/s.",
+                (self.name,),
+                "Give a frequency that is not negative.",
+            )
 
     def achieved(self, loop: Assessment) -> float:
         """Return |C H / (1 + L)| at that frequency."""

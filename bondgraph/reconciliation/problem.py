@@ -48,11 +48,6 @@ class Quantity:
         """Return the number at `coordinate`."""
         return self.sign * math.exp(coordinate) if self.sign else coordinate
 
-    @property
-    def may_change(self) -> bool:
-        """Whether it has a wider range as a misprint."""
-        return self.outside != self.inside
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:

@@ -11,9 +11,11 @@ from hashlib import sha256
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.choices import is_finite
 from bondgraph.errors import RecordingError
 from bondgraph.recordings.channel import Channel, FloatArray
-from bondgraph.recordings.recording import Recording
+from bondgraph.recordings.recording import LEAST_SAMPLES, Recording
+from bondgraph.structure.units import compatible
 
 SAME_TIME = 1e-6
 """Times nearer than this share of the finest step are one time."""
@@ -119,22 +121,25 @@ def clock_offset(
     Raises
     ------
     RecordingError
-        If the two do not overlap or do not show the same motion.
+        If the two do not overlap or do not show the same motion, their units do not
+        convert into one another, or one of them was never measured.
     """
+    _check_comparable(reference, other, channel, most)
     x, y = (_measured(r, channel) for r in (reference, other))
     step = min(reference.step, other.step)
     stride = -(-x[0].size // COARSE_SAMPLES)
     coarse = (x[0][::stride], x[1][::stride])
     offsets = np.arange(-np.floor(most / step), np.floor(most / step) + 1) * step
-    fits = [abs(_correlation(coarse, y, offset)) for offset in offsets]
-    if not fits or np.nanmax(fits, initial=0.0) < LEAST_CORRELATION:
+    found = [abs(_correlation(coarse, y, offset)) for offset in offsets]
+    fits = [-1.0 if np.isnan(fit) else fit for fit in found]  # nan: nothing moves there
+    if max(fits) < LEAST_CORRELATION:
         raise RecordingError(
             f"{channel!r} of {reference.name!r} and of {other.name!r} do not show the "
             f"same motion within {most:g} s.",
             (reference.name, other.name, channel),
             "Search further, or compare a channel that both clocks have seen.",
         )
-    best = float(offsets[int(np.nanargmax(fits))])
+    best = float(offsets[int(np.argmax(fits))])
     std = float("nan")
     for _ in range(REFINEMENTS):
         move, std = _refined(x, y, best)
@@ -142,6 +147,35 @@ def clock_offset(
     return ClockOffset(
         seconds=best, std=std, correlation=float(_correlation(x, y, best))
     )
+
+
+def _check_comparable(
+    reference: Recording, other: Recording, channel: str, most: float
+) -> None:
+    """Refuse what no offset can be told from; scales and levels may differ."""
+    units = [recording.channel(channel).unit for recording in (reference, other)]
+    names = (reference.name, other.name, channel)
+    if not compatible(*units):
+        raise RecordingError(
+            f"{channel!r} is in {units[0]!r} in {names[0]!r} and in {units[1]!r} in "
+            f"{names[1]!r}.",
+            names,
+            "Compare a quantity that both clocks have seen.",
+        )
+    for recording in (reference, other):
+        if np.isfinite(recording.channel(channel).values).sum() < LEAST_SAMPLES:
+            raise RecordingError(
+                f"{channel!r} of {recording.name!r} has fewer than {LEAST_SAMPLES} "
+                "samples that were measured.",
+                (recording.name, channel),
+                "Compare another channel.",
+            )
+    if not (is_finite(most) and most >= 0.0):
+        raise RecordingError(
+            f"An offset of at most {most!r} s cannot be looked for.",
+            names,
+            "Give the largest offset in seconds, such as most=1.0.",
+        )
 
 
 def _measured(recording: Recording, name: str) -> tuple[FloatArray, FloatArray]:
@@ -163,7 +197,7 @@ def _correlation(
     x: tuple[FloatArray, FloatArray], y: tuple[FloatArray, FloatArray], offset: float
 ) -> float:
     _, one, two = _overlapping(x, y, offset)
-    if one.size < max(8, 0.1 * min(x[0].size, y[0].size)):
+    if one.size < max(LEAST_SAMPLES, 0.1 * min(x[0].size, y[0].size)):
         return float("nan")
     one, two = one - one.mean(), two - two.mean()
     size = float(np.sqrt((one @ one) * (two @ two)))

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bondgraph.errors import RecordingError
 from bondgraph.recordings.channel import FloatArray
 
 ORDERS = range(2, 9)
@@ -132,11 +133,14 @@ def estimate_noise(time: ArrayLike, values: ArrayLike) -> NoiseEstimate:
     time
         Seconds, strictly increasing.
     values
-        Samples of one channel, in any unit.
+        Samples of one channel, in any unit; nan where it was not measured.
+
+    Raises
+    ------
+    RecordingError
+        If the two do not belong together, or nothing was measured.
     """
-    t = np.asarray(time, dtype=np.float64)
-    v = np.asarray(values, dtype=np.float64)
-    t, v = t[np.isfinite(v)], v[np.isfinite(v)]
+    t, v = _measured(time, values)
     step = quantisation(v)
     floor = 0.0 if step is None else step / np.sqrt(12.0)
     orders = [k for k in ORDERS if v.size >= 4 * (k + 1)]
@@ -151,6 +155,36 @@ def estimate_noise(time: ArrayLike, values: ArrayLike) -> NoiseEstimate:
     white = bool(np.max(scales) <= sameness * np.min(scales))
     std = max(float(scales[chosen]), float(floor))
     return NoiseEstimate(std=std, quantisation=step, white=white)
+
+
+def _measured(time: ArrayLike, values: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Return the times and values that were measured."""
+    try:
+        t = np.asarray(time, dtype=np.float64)
+        v = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise RecordingError(
+            "Times and values are not made of real numbers.", (), "Give two lists."
+        ) from error
+    if t.ndim != 1 or t.shape != v.shape:
+        raise RecordingError(
+            f"There are times of shape {t.shape} and values of shape {v.shape}.",
+            (),
+            "Give one value for each time.",
+        )
+    there = np.isfinite(v)
+    if not there.any():
+        raise RecordingError(
+            f"None of the {v.size} values is a number: nothing was measured.",
+            (),
+            "Leave the channel out.",
+        )
+    t, v = t[there], v[there]
+    if not np.all(np.diff(t) > 0.0):
+        raise RecordingError(
+            "The times do not increase.", (), "Sort them, and give finite seconds."
+        )
+    return t, v
 
 
 def saturation(values: ArrayLike) -> tuple[Saturation, ...]:

@@ -1,8 +1,9 @@
 """A recording: channels with names and units on one clock, frozen once it is made.
 
-Time is in seconds and strictly increasing; steps need not be equal. Values are finite
-and read-only. A *steady* recording is a table of independent operating points: it has
-no clock, and its ``time`` merely counts the rows.
+Time is in seconds and strictly increasing; steps need not be equal. Values are
+read-only and finite, except that a channel with gaps has nan where it was not
+measured. A *steady* recording is a table of independent operating points: it has no
+clock, and its ``time`` merely counts the rows.
 """
 
 import html

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from bondgraph.choices import is_finite
 from bondgraph.errors import RecordingError
 from bondgraph.recordings.channel import Channel, FloatArray
 from bondgraph.recordings.recording import Recording
@@ -43,8 +44,15 @@ def resample(recording: Recording, step: float) -> Recording:
     Raises
     ------
     RecordingError
-        If `step` is shorter than the recording's, or the recording is a steady table.
+        If `step` is shorter than the recording's, or so long that the filter does not
+        fit in, or the recording is a steady table.
     """
+    if not is_finite(step):
+        raise RecordingError(
+            f"{recording.name!r} cannot be resampled at a step of {step!r}.",
+            (recording.name,),
+            "Give seconds.",
+        )
     if recording.steady or not step >= recording.step:
         raise RecordingError(
             f"{recording.name!r} cannot be resampled at {step:g} s: its samples are "
@@ -55,7 +63,9 @@ def resample(recording: Recording, step: float) -> Recording:
     times, columns = [], []
     for stretch in stretches(recording.time):
         time = recording.time[stretch.samples]
-        grid = np.arange(time[0] + REACH * step, time[-1] - REACH * step, step)
+        grid: FloatArray = np.arange(
+            time[0] + REACH * step, time[-1] - REACH * step, step
+        )
         times.append(grid)
         columns.append(
             [
@@ -65,6 +75,13 @@ def resample(recording: Recording, step: float) -> Recording:
         )
     table = np.concatenate(columns, axis=1)
     measured = np.isfinite(table).any(axis=0)
+    if not measured.any():
+        raise RecordingError(
+            f"{recording.name!r} is too short to be resampled at {step:g} s: no "
+            f"stretch of it is as long as the filter, {2 * REACH * step:g} s.",
+            (recording.name,),
+            "Give a shorter step.",
+        )
     channels = tuple(
         Channel(old.name, old.unit, new, gaps=bool(np.isnan(new).any()))
         for old, new in zip(recording.channels, table[:, measured], strict=True)

@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.choices import refuse_other_size
 from bondgraph.errors import EquationError, MissingExtraError
 from bondgraph.numeric.dynamics import Dynamics
 
@@ -41,11 +42,19 @@ class Cvode:
     ----------
     rtol, atol
         Tolerances of the local error, relative and absolute.
+
+    Raises
+    ------
+    EquationError
+        If one is not a finite number above zero.
     """
 
     rtol: float = 1e-8
     atol: float = 1e-10
     takes_unknowns: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        _check_tolerances(self)
 
     def integrate(
         self, dynamics: Dynamics, drive: Drive, time: Array, x: Array, z: Array
@@ -84,11 +93,19 @@ class Ida:
     ----------
     rtol, atol
         Tolerances of the local error, relative and absolute.
+
+    Raises
+    ------
+    EquationError
+        If one is not a finite number above zero.
     """
 
     rtol: float = 1e-8
     atol: float = 1e-10
     takes_unknowns: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        _check_tolerances(self)
 
     def integrate(
         self, dynamics: Dynamics, drive: Drive, time: Array, x: Array, z: Array
@@ -133,11 +150,19 @@ class Radau:
     ----------
     rtol, atol
         Tolerances of the local error, relative and absolute.
+
+    Raises
+    ------
+    EquationError
+        If one is not a finite number above zero.
     """
 
     rtol: float = 1e-8
     atol: float = 1e-10
     takes_unknowns: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        _check_tolerances(self)
 
     def integrate(
         self, dynamics: Dynamics, drive: Drive, time: Array, x: Array, z: Array
@@ -168,6 +193,12 @@ class Radau:
 
 
 Adaptive = Cvode | Ida | Radau
+
+
+def _check_tolerances(solver: Adaptive) -> None:
+    for name, value in (("rtol", solver.rtol), ("atol", solver.atol)):
+        what = f"The tolerance {name} of {type(solver).__name__}"
+        refuse_other_size(value, what, EquationError)
 
 
 def _three(time: Array) -> Array:

@@ -12,10 +12,12 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.choices import refuse_other
 from bondgraph.equations.deriving.derivation import derive
-from bondgraph.errors import ParameterError, RecordingError, did_you_mean
+from bondgraph.errors import EquationError, ParameterError, RecordingError, did_you_mean
 from bondgraph.numeric.model import NumericModel, compile_model
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.simulation.given import initial_states, refuse_no_numbers
 from bondgraph.simulation.native_shooting import stepped_explicitly
 from bondgraph.simulation.shooting import shoot
 from bondgraph.simulation.shots import Shots, as_loops_take
@@ -93,12 +95,14 @@ def simulate_batch(
     Raises
     ------
     ParameterError
-        If a name is unknown or a parameter has no value.
+        If a name is unknown, a parameter has no value, or a number is not finite.
     RecordingError
         If an input was not recorded at some sample.
     EquationError
         If an explicit solver is asked for a model whose rates are only implicit.
     """
+    refuse_other(solver, Solver, "The solver of a batch", EquationError)
+    refuse_other(hold, Hold, "The hold", EquationError)
     model = compile_model(derive(graph))
     recording = recording.ordered(model.input_names, recording.output_names)
     if not np.isfinite(recording.inputs).all() or not np.isfinite(recording.time).all():
@@ -108,9 +112,8 @@ def simulate_batch(
             "Simulate a part of it without gaps: recording.part(start, stop).",
         )
     values = _values(graph, model, parameter_sets)
-    start = np.zeros((len(values), model.n_states))
-    for name, value in (initial or {}).items():
-        start[:, _position(name, model.state_names, "state", model.name)] = value
+    begin = initial_states(initial or {}, model.state_names, model.name, ParameterError)
+    start = np.tile(begin, (len(values), 1))
     time, inputs = as_loops_take(recording.time), as_loops_take(recording.inputs)
     simulated = np.full((len(values), len(time), len(model.output_names)), np.nan)
     done = np.zeros(len(values), dtype=np.int64)
@@ -200,7 +203,9 @@ def _values(
     names = model.parameter_names
     known = {p.name: p.value for p in graph.parameters.members if p.value is not None}
     for name in {name for one in sets for name in one}:
-        _position(name, names, "parameter", model.name)
+        _check_known(name, names, model.name)
+    for one in sets:
+        refuse_no_numbers(one, "In a parameter set the value of", ParameterError)
     rows = [[{**known, **one}.get(name, np.nan) for name in names] for one in sets]
     values = np.array(rows, dtype=np.float64).reshape(len(sets), len(names))
     missing = tuple(names[i] for i in np.flatnonzero(np.isnan(values).any(axis=0)))
@@ -213,9 +218,8 @@ def _values(
     return values
 
 
-def _position(name: str, names: Sequence[str], kind: str, model: str) -> int:
+def _check_known(name: str, names: Sequence[str], model: str) -> None:
     if name not in names:
         raise ParameterError(
-            f"{model!r} has no {kind} {name!r}.", (name,), did_you_mean(name, names)
+            f"{model!r} has no parameter {name!r}.", (name,), did_you_mean(name, names)
         )
-    return names.index(name)

@@ -1,12 +1,17 @@
-"""Inputs of a simulation: samples, constants or functions of time, by name."""
+"""Inputs of a simulation: samples, constants or functions of time, by name.
+
+Fixed steps know samples only: a function of time is sampled for them where the samples
+are, and between two of these it is what `hold` says.
+"""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bondgraph.errors import EquationError, did_you_mean
+from bondgraph.errors import BondGraphError, EquationError, did_you_mean
+from bondgraph.simulation.given import input_samples, refuse_not_finite
 from bondgraph.simulation.solvers import Hold
 
 Array = NDArray[np.float64]
@@ -36,6 +41,21 @@ class Inputs:
         """Whether an input changes and is known by its samples only."""
         known = [j for j, function in enumerate(self.functions) if function is None]
         return bool(np.any(np.diff(self.samples[:, known], axis=0)))
+
+    def halved(self) -> "Inputs":
+        """Return the inputs with a sample more in the middle of every two.
+
+        There a function of time has its value, and samples are what `hold` says.
+        """
+        time = np.repeat(self.time, 2)[:-1]
+        samples = np.repeat(self.samples, 2, axis=0)[:-1]
+        time[1::2] = 0.5 * (self.time[:-1] + self.time[1:])
+        if self.hold is Hold.FIRST:
+            samples[1::2] = 0.5 * (self.samples[:-1] + self.samples[1:])
+        for j, function in enumerate(self.functions):
+            if function is not None:
+                samples[1::2, j] = [function(t) for t in time[1::2].tolist()]
+        return replace(self, time=time, samples=samples)
 
     def between(self, row: int) -> Callable[[float], tuple[Array, Array]]:
         """Return u and u̇ as a function of time after sample `row`."""
@@ -81,17 +101,43 @@ def gather_inputs(
     for j, name in enumerate(names):
         value = given.get(name, 0.0)
         if callable(value):
-            samples[:, j] = [value(t) for t in time.tolist()]
-            functions.append(value)
+            function = _spoken_for(name, value)
+            samples[:, j] = [function(t) for t in time.tolist()]
+            refuse_not_finite(samples[:, j], time, name)
+            functions.append(function)
             continue
-        values = np.asarray(value, float)
-        if values.shape not in {(), (len(time),)}:
-            raise EquationError(
-                f"The input {name!r} has the shape {values.shape}, and there are "
-                f"{len(time)} samples.",
-                (name,),
-                "Give one value per sample, one for all, or a function of time.",
-            )
-        samples[:, j] = values
+        samples[:, j] = input_samples(
+            value,
+            time,
+            name,
+            "Give one value per sample, one for all, or a function of time.",
+        )
         functions.append(None)
     return Inputs(time=time, samples=samples, functions=tuple(functions), hold=hold)
+
+
+def _spoken_for(name: str, function: InputFunction) -> InputFunction:
+    """Return the function with refusals that name the input it is for."""
+
+    def at(t: float) -> float:
+        try:
+            value = function(t)
+        except BondGraphError:
+            raise
+        except Exception as error:
+            raise _no_number(
+                name, t, f"raises {type(error).__name__}: {error}"
+            ) from error
+        if np.ndim(value) or not np.isrealobj(value) or isinstance(value, str):
+            raise _no_number(name, t, f"is {value!r}")
+        return float(value)
+
+    return at
+
+
+def _no_number(name: str, t: float, why: str) -> EquationError:
+    return EquationError(
+        f"The function of time of the input {name!r} {why} at {t:g} s.",
+        (name,),
+        "Give a function that takes the time in seconds and returns one number.",
+    )

@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bondgraph.choices import refuse_other
 from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.hard_contact import refuse_hard_contact
 from bondgraph.errors import EquationError, did_you_mean
@@ -16,6 +17,7 @@ from bondgraph.numeric.model import NumericModel, compile_model
 from bondgraph.simulation.adaptive import Adaptive, Cvode, Ida, Radau, refuse_friction
 from bondgraph.simulation.energy_audit import EnergyAudit, audit_of
 from bondgraph.simulation.events import Event, contact_events, friction_events
+from bondgraph.simulation.given import increasing, initial_states
 from bondgraph.simulation.growth import growth_not_followed
 from bondgraph.simulation.inputs import InputFunction, Inputs, gather_inputs
 from bondgraph.simulation.jumps import ramped
@@ -97,19 +99,24 @@ def simulate_inputs(
         Increasing samples in s; fixed-step solvers step from one to the next.
     inputs
         Samples, one constant value, or a function of time, by name; zero if not named.
+        Fixed-step solvers, whatever their substeps, take a function at the samples of
+        `time` alone and go on between them as `hold` says: give samples as fine as the
+        function moves, or an adaptive solver, which asks it wherever it steps.
     initial
         Values of states by name (``p_…``, ``q_…``); zero if not named.
     solver
         ``Sdirk2()`` by default.
     hold
-        How sampled inputs behave between samples.
+        How sampled inputs, and functions that were sampled, behave between samples.
     estimate_error
-        Whether to run a fixed-step solver a second time, with half the step.
+        Whether to run a fixed-step solver a second time, with half the step, and with
+        functions of time sampled twice as finely.
 
     Raises
     ------
     EquationError
-        If a name is unknown, or the solver does not suit the model.
+        If a name is unknown, a number is not finite, or the solver does not suit the
+        model.
     ParameterError
         If a parameter has no value.
     """
@@ -137,11 +144,10 @@ def simulate_audited(
     estimate_error: bool = False,
 ) -> Run:
     """Run a model whose accounts are made already, as `simulate_inputs` does."""
-    grid = np.asarray(time, float)
-    if grid.ndim != 1 or len(grid) < 1 or np.any(np.diff(grid) <= 0.0):
-        raise EquationError(
-            "The samples of time do not increase.", ("time",), "Sort them."
-        )
+    chosen = Sdirk2() if solver is None else solver
+    refuse_other(chosen, Solver | Adaptive, "The solver", EquationError)
+    refuse_other(hold, Hold, "The hold", EquationError)
+    grid = increasing(time)
     model = audited.model
     given = gather_inputs(model.input_names, grid, inputs or {}, hold)
     values = graph.parameters.values_by_name()
@@ -152,27 +158,19 @@ def simulate_audited(
         start=_start(model, initial or {}),
         parameters=np.array([values[name] for name in model.parameter_names]),
     )
-    chosen = Sdirk2() if solver is None else solver
     if isinstance(chosen, Cvode | Ida | Radau):
         return case.adaptive(chosen)
     run = case.fixed(chosen)
     if not estimate_error or run.status is not RunStatus.SUCCESSFUL:
         return run
-    finer = case.fixed(replace(chosen, substeps=2 * chosen.substeps))
-    error = np.abs(run.outputs - finer.outputs).max(axis=0, initial=0.0)
+    finer = case.outputs_of_half_steps(chosen)
+    error = np.abs(run.outputs - finer).max(axis=0, initial=0.0)
     return replace(run, solver_error=tuple(map(float, error)))
 
 
 def _start(model: NumericModel, initial: Mapping[str, float]) -> Array:
     own = model.state_names[: -len(ACCOUNTS)]
-    for name in initial:
-        if name not in own:
-            raise EquationError(
-                f"{model.name!r} has no state {name!r}.",
-                (name,),
-                did_you_mean(name, own),
-            )
-    states = [initial.get(name, 0.0) for name in own]
+    states = initial_states(initial, own, model.name)
     return np.array([*states, *(0.0 for _ in ACCOUNTS)])
 
 
@@ -208,6 +206,17 @@ class _Case:
             )
         events = (*self._slips(shot), *(e for part in shot.impacts for e in part))
         return self._run(shot.states, shot.outputs, trouble, events)
+
+    def outputs_of_half_steps(self, solver: Solver) -> Array:
+        """Return the outputs of a run with half the step.
+
+        Functions of time are sampled anew at the finer steps, so that what is lost
+        between samples shows as well.
+        """
+        if any(self.inputs.functions):
+            finer = replace(self, inputs=self.inputs.halved()).fixed(solver)
+            return finer.outputs[::2]
+        return self.fixed(replace(solver, substeps=2 * solver.substeps)).outputs
 
     def _shoot(self, model: NumericModel, start: Array, solver: Solver) -> Shooting:
         time, samples = self.inputs.time, self.inputs.samples

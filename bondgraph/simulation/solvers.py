@@ -12,6 +12,9 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.choices import refuse_other_count
+from bondgraph.errors import EquationError
+
 Array = NDArray[np.float64]
 
 
@@ -30,9 +33,17 @@ class Sdirk2:
     ----------
     substeps
         Steps between two samples.
+
+    Raises
+    ------
+    EquationError
+        If that is not a whole number of at least one.
     """
 
     substeps: int = 1
+
+    def __post_init__(self) -> None:
+        _check_substeps(self)
 
     @property
     def tableau(self) -> tuple[Array, Array]:
@@ -49,9 +60,17 @@ class Sdirk3:
     ----------
     substeps
         Steps between two samples.
+
+    Raises
+    ------
+    EquationError
+        If that is not a whole number of at least one.
     """
 
     substeps: int = 1
+
+    def __post_init__(self) -> None:
+        _check_substeps(self)
 
     @property
     def tableau(self) -> tuple[Array, Array]:
@@ -75,9 +94,17 @@ class RungeKutta4:
     ----------
     substeps
         Steps between two samples.
+
+    Raises
+    ------
+    EquationError
+        If that is not a whole number of at least one.
     """
 
     substeps: int = 1
+
+    def __post_init__(self) -> None:
+        _check_substeps(self)
 
 
 Implicit = Sdirk2 | Sdirk3
@@ -94,3 +121,8 @@ def implicit(solver: Solver) -> Implicit:
     if isinstance(solver, RungeKutta4):
         return Sdirk2(solver.substeps)
     return solver
+
+
+def _check_substeps(solver: Solver) -> None:
+    what = f"The number of substeps of {type(solver).__name__}"
+    refuse_other_count(solver.substeps, 1, what, EquationError)

@@ -14,11 +14,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array, csr_array
 
+from bondgraph.choices import refuse_other
 from bondgraph.errors import EquationError, did_you_mean
 from bondgraph.numeric.implicit.factor import Factor, Order, order_for
 from bondgraph.numeric.implicit.points import solve_at
 from bondgraph.numeric.implicit.system import ImplicitSystem, implicit_system
 from bondgraph.simulation.energy_audit import EnergyAudit
+from bondgraph.simulation.given import increasing, input_samples, refuse_no_numbers
 from bondgraph.simulation.solvers import Hold, Implicit, Sdirk2
 from bondgraph.simulation.sparse_energy import EnergyMeter
 from bondgraph.structure.graph import FinishedGraph
@@ -109,14 +111,14 @@ def simulate_sparse(
     EquationError
         If a name is unknown, or the equations have no unique solution at the start.
     """
+    chosen = Sdirk2() if solver is None else solver
+    refuse_other(chosen, Implicit, "The solver", EquationError)
+    refuse_other(hold, Hold, "The hold", EquationError)
     system = implicit_system(graph)
-    grid = np.asarray(time, float)
-    if grid.ndim != 1 or len(grid) < 1 or np.any(np.diff(grid) <= 0.0):
-        raise EquationError(
-            "The samples of time do not increase.", ("time",), "Sort them."
-        )
-    samples = _sampled(system, inputs or {}, len(grid))
-    run = _Run(system, Sdirk2() if solver is None else solver, hold)
+    grid = increasing(time)
+    refuse_no_numbers(initial or {}, "The initial value of", EquationError)
+    samples = _sampled(system, inputs or {}, grid)
+    run = _Run(system, chosen, hold)
     start = {**(initial or {}), "t": float(grid[0])}
     start.update(zip(system.input_names, samples[0].tolist(), strict=True))
     z = solve_at(system, start).z
@@ -124,7 +126,7 @@ def simulate_sparse(
 
 
 def _sampled(
-    system: ImplicitSystem, inputs: Mapping[str, ArrayLike], length: int
+    system: ImplicitSystem, inputs: Mapping[str, ArrayLike], time: Array
 ) -> Array:
     """Return all inputs, ``[sample, input]``."""
     for name in inputs:
@@ -134,17 +136,14 @@ def _sampled(
                 (name,),
                 did_you_mean(name, system.input_names),
             )
-    table = np.zeros((length, len(system.input_names)))
+    table = np.zeros((len(time), len(system.input_names)))
     for j, name in enumerate(system.input_names):
-        values = np.asarray(inputs.get(name, 0.0), float)
-        if values.shape not in {(), (length,)}:
-            raise EquationError(
-                f"The input {name!r} has the shape {values.shape}, and there are "
-                f"{length} samples.",
-                (name,),
-                "Give one value per sample, or one for all.",
-            )
-        table[:, j] = values
+        table[:, j] = input_samples(
+            inputs.get(name, 0.0),
+            time,
+            name,
+            "Give one value per sample, or one for all.",
+        )
     return table
 
 

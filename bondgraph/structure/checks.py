@@ -3,6 +3,8 @@
 from collections import Counter
 from typing import TYPE_CHECKING
 
+import sympy
+
 from bondgraph.errors import ParameterError, StructureError, UnitError, did_you_mean
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.elements import (
@@ -30,6 +32,7 @@ from bondgraph.structure.units import compatible
 if TYPE_CHECKING:
     from bondgraph.structure.graph import FinishedGraph
 
+_NOT_REAL = (sympy.I, sympy.nan, sympy.zoo)
 _FLOWS = (Quantity.FLOW, Quantity.DISPLACEMENT)
 _EFFORTS = (Quantity.EFFORT, Quantity.MOMENTUM)
 
@@ -39,6 +42,7 @@ def check_graph(graph: "FinishedGraph") -> None:
     _check_names(graph)
     _check_bonds(graph)
     _check_domains(graph)
+    _check_laws(graph)
     _check_signals(graph)
     _check_parameters(graph)
     _check_preferences(graph)
@@ -130,6 +134,31 @@ def _check_domains(graph: "FinishedGraph") -> None:
                 (node.name, first.name, second.name),
                 "Put a TF or GY between them.",
             )
+
+
+def _check_laws(graph: "FinishedGraph") -> None:
+    """Refuse laws that are no real numbers, and two-ports that let nothing through."""
+    for node in graph.nodes:
+        for law in written_laws(node):
+            _check_real(law, f"The law of {letter(node)} {node.name!r}", node.name)
+            if isinstance(node, Transformer | Gyrator) and law.is_zero:
+                raise StructureError(
+                    f"The modulus of {letter(node)} {node.name!r} is zero.",
+                    (node.name,),
+                    "Leave the two-port out, or give it a modulus.",
+                )
+    for measurement in graph.measurements:
+        name = measurement.name
+        _check_real(measurement.expression, f"The measurement {name!r}", name)
+
+
+def _check_real(expression: sympy.Expr, what: str, name: str) -> None:
+    if expression.has(*_NOT_REAL):
+        raise StructureError(
+            f"{what} is {expression}, which is no real number.",
+            (name,),
+            "Write it so that real numbers give real numbers.",
+        )
 
 
 def _check_signals(graph: "FinishedGraph") -> None:

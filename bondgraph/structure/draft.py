@@ -10,7 +10,7 @@ from itertools import count
 
 import sympy
 
-from bondgraph.errors import ParameterError
+from bondgraph.errors import ParameterError, StructureError
 from bondgraph.structure.domains import EnergyDomain
 from bondgraph.structure.elements import Node
 from bondgraph.structure.fields import MultiPort
@@ -65,6 +65,13 @@ class Draft:
         self, part: "Draft", name: str | None, shared: Collection[str]
     ) -> SubGraph:
         """Copy `part` into this draft; see ``BondGraph.include``."""
+        if part is self:
+            raise StructureError(
+                f"The graph {self.name!r} cannot be a part of itself while it is being "
+                "written.",
+                (self.name,),
+                "Include a finished copy: include(graph.finish(), name).",
+            )
         renaming = renaming_of(part.nodes, part.measurements, name, shared)
         self.nodes += [renaming.node(node) for node in part.nodes]
         self.bonds += [(renaming.bond(b), domain) for b, domain in part.bonds]

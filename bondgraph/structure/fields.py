@@ -18,7 +18,7 @@ import sympy
 from bondgraph.errors import StructureError
 from bondgraph.structure.elements import Named
 from bondgraph.structure.relations import Relation
-from bondgraph.structure.signals import PortVariable, canonical
+from bondgraph.structure.signals import PortVariable, as_expression, canonical
 
 _STORED_OF = {"f": "p", "p": "p", "e": "q", "q": "q"}
 _CO = {"p": "f", "q": "e"}
@@ -145,18 +145,30 @@ def _linear(
     letter: str, matrix: Sequence[Sequence[object]], name: str
 ) -> tuple[sympy.Expr, ...]:
     """Return ``matrix · [letter[1], letter[2], …]``."""
-    table = sympy.Matrix(matrix)
-    if table.rows != table.cols:
+    rows = _rows(matrix, name)
+    widths = sorted({len(row) for row in rows})
+    if widths != [len(rows)]:
         raise StructureError(
-            f"The matrix of {name!r} is {table.rows} x {table.cols}.",
+            f"The matrix of {name!r} is {len(rows)} x {' or '.join(map(str, widths))}.",
             (name,),
             "Give a square one.",
         )
-    variables = [PortVariable(letter, i + 1) for i in range(table.cols)]
+    variables = [PortVariable(letter, i + 1) for i in range(len(rows))]
     return tuple(
-        sympy.Add(*(x * v for x, v in zip(table.row(i), variables, strict=True)))
-        for i in range(table.rows)
+        sympy.Add(*(x * v for x, v in zip(row, variables, strict=True))) for row in rows
     )
+
+
+def _rows(matrix: Sequence[Sequence[object]], name: str) -> list[list[sympy.Expr]]:
+    try:
+        rows = [list(row) for row in getattr(matrix, "tolist", lambda: matrix)()]
+    except TypeError:
+        raise StructureError(
+            f"{matrix!r} is no matrix for {name!r}.",
+            (name,),
+            "Give a list of rows, such as [[a, b], [b, c]].",
+        ) from None
+    return [[as_expression(entry) for entry in row] for row in rows]
 
 
 @dataclass(frozen=True, slots=True)

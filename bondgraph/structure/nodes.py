@@ -15,7 +15,6 @@ from bondgraph.structure.elements import (
     Node,
     Resistance,
     Transformer,
-    is_modulated,
     is_one_port,
 )
 from bondgraph.structure.fields import MultiPort
@@ -64,12 +63,6 @@ def parameters_of(node: Node) -> tuple[str, ...]:
     if is_linear(node):
         return (node.name,)
     return tuple(name for law in written_laws(node) for name in parameters_in(law))
-
-
-def modulated_letter(node: Node) -> str:
-    """Return the field's letter with an M where the law reads other places (MTF)."""
-    modulated = any(is_modulated(law) for law in written_laws(node))
-    return f"M{node.letter}" if modulated else node.letter
 
 
 def modulations(nodes: Iterable[Node]) -> tuple[tuple[str, str], ...]:

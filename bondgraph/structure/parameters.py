@@ -6,9 +6,10 @@ means the value is only a starting guess, free to be fitted.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from bondgraph.choices import is_number
 from bondgraph.errors import ParameterError, did_you_mean
 from bondgraph.structure.units import conversion
 
@@ -79,7 +80,10 @@ class Parameter:
     source: Provenance = field(default_factory=Assumed)
 
     def __post_init__(self) -> None:
-        low, high = self.bounds
+        for what, number in (("value", self.value), ("standard deviation", self.std)):
+            if number is not None:
+                _check_number(self.name, number, what)
+        low, high = self._interval()
         if not low < high:
             raise ParameterError(
                 f"Parameter {self.name!r} has bounds ({low}, {high}).",
@@ -107,6 +111,18 @@ class Parameter:
                 "Give None (free), 0.0 (exact) or a positive number.",
             )
 
+    def _interval(self) -> tuple[float, float]:
+        bounds = self.bounds
+        if not (isinstance(bounds, Sequence) and len(bounds) == 2):
+            raise ParameterError(
+                f"Parameter {self.name!r} has the bounds {bounds!r}.",
+                (self.name,),
+                "Give two numbers, the lower one first.",
+            )
+        for bound in bounds:
+            _check_number(self.name, bound, "bound")
+        return bounds
+
     @property
     def exact(self) -> bool:
         """Whether the value is known exactly and never fitted."""
@@ -129,6 +145,15 @@ class Parameter:
             bounds=(low, high),
             std=None if self.std is None else abs(scale) * self.std,
             rounding=None if self.rounding is None else abs(scale) * self.rounding,
+        )
+
+
+def _check_number(name: str, value: object, what: str) -> None:
+    if not is_number(value):
+        raise ParameterError(
+            f"Parameter {name!r} has the {what} {value!r}.",
+            (name,),
+            "Give a number, and its unit beside it.",
         )
 
 
@@ -185,8 +210,9 @@ class ParameterSet(Mapping[str, Parameter]):
 
     def with_values(self, values: Mapping[str, float]) -> "ParameterSet":
         """Return the set with new values for the parameters named in `values`."""
-        for name in values:
+        for name, value in values.items():
             self.find(name)
+            _check_number(name, value, "value")
         return ParameterSet(
             tuple(
                 replace(m, value=float(values[m.name])) if m.name in values else m

@@ -9,8 +9,6 @@ from dataclasses import dataclass
 
 import sympy
 
-from bondgraph.errors import EquationError
-
 
 @dataclass(frozen=True, slots=True)
 class Relation:
@@ -19,27 +17,6 @@ class Relation:
     output: sympy.Symbol
     argument: sympy.Symbol
     expression: sympy.Expr
-
-    def solved_for(self, output: sympy.Symbol) -> sympy.Expr:
-        """Return `output` as an expression of the other port variable.
-
-        Raises
-        ------
-        EquationError
-            If the relation is not uniquely invertible in closed form.
-        """
-        if output == self.output:
-            return self.expression
-        if output != self.argument:
-            raise EquationError(f"The relation does not contain {output}.")
-        found = inverse(self.expression, self.argument, self.output)
-        if found is not None:
-            return found
-        raise EquationError(
-            f"The law {self.output} = {self.expression} cannot be inverted uniquely.",
-            (str(self.output), str(self.argument)),
-            f"Write the law as an expression in {self.output}.",
-        )
 
 
 def inverse(

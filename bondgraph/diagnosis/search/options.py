@@ -3,8 +3,10 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from bondgraph.choices import refuse_other
 from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.work.workers import Here, Where
+from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.physics.hypothesis import AbstractPhysics
 from bondgraph.physics.library import LIBRARY
@@ -37,6 +39,11 @@ class Options:
     seconds
         After so many the search ends: what stands by then is the answer, and says that
         it was cut short. None for as long as it takes.
+
+    Raises
+    ------
+    FitError
+        If one of the objects is none of its family, such as a word.
     """
 
     settings: FitSettings = field(default_factory=FitSettings)
@@ -49,3 +56,8 @@ class Options:
     resume: Path | None = None
     either_hold: bool = True
     seconds: float | None = None
+
+    def __post_init__(self) -> None:
+        refuse_other(self.settings, FitSettings, "What is to set the fits", FitError)
+        refuse_other(self.where, Where, "Where a diagnosis is to work", FitError)
+        refuse_other(self.rule, Rule, "The rule of a diagnosis", FitError)

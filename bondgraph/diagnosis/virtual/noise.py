@@ -54,6 +54,7 @@ def channel_noise(
         if r.steady
         else estimate_noise(r.time, r.outputs[:, output])
         for r in recordings
+        if np.isfinite(r.outputs[:, output]).any()
     ]
     return [one for one in seen if one is not None]
 

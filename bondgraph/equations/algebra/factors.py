@@ -1,11 +1,14 @@
 """Polynomials in s as products, and their roots where a person can read them."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import sympy
 
 s = sympy.Symbol("s")
+"""The Laplace variable; a parameter called s is another symbol, which is real."""
+
+_P = sympy.Symbol("p")  # no parameter can be called so
 
 MOST_TERMS = 150
 """Factoring more terms takes seconds and rarely finds a factor; only s is taken out."""
@@ -63,7 +66,10 @@ class PoleZeroGain:
     @property
     def _shape(self) -> sympy.Expr:
         top = sympy.Mul(*(factor.expression for factor in self.zeros))
-        return top / sympy.Mul(*(factor.expression for factor in self.poles))
+        shape = top / sympy.Mul(*(factor.expression for factor in self.poles))
+        factors = (*self.zeros, *self.poles)
+        inside = [c for factor in factors for c in factor.coefficients]
+        return for_reading(shape, [self.gain, *inside])
 
     def __str__(self) -> str:
         shape = self._shape
@@ -73,6 +79,18 @@ class PoleZeroGain:
         gain = sympy.latex(self.gain)
         shape = sympy.latex(self._shape)
         return f"$\\displaystyle {gain} \\cdot {shape}$"
+
+
+def is_ambiguous(coefficients: Iterable[sympy.Expr]) -> bool:
+    """Return whether a parameter is called s, and would be read as Laplace's."""
+    return any(x.name == "s" for c in coefficients for x in c.free_symbols)
+
+
+def for_reading(
+    expression: sympy.Expr, coefficients: Iterable[sympy.Expr]
+) -> sympy.Expr:
+    """Return what is printed: with p for the Laplace variable beside a parameter s."""
+    return expression.xreplace({s: _P}) if is_ambiguous(coefficients) else expression
 
 
 def polynomial(coefficients: Sequence[sympy.Expr]) -> sympy.Expr:

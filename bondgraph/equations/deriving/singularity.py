@@ -52,10 +52,11 @@ def refuse_singular(equations: StateEquations) -> None:
 class _Sum:
     """A number and how large what it was summed from is: of rounding nothing is left.
 
-    It equals zero where less than a billionth is left.
+    It equals zero where less than a billionth is left. It is complex where the symbols'
+    values lie outside of what a root or a logarithm is meant for, and as good there.
     """
 
-    value: float
+    value: complex
     size: float
 
     def __add__(self, other: "_Sum") -> "_Sum":
@@ -88,7 +89,7 @@ class _Somewhere:
                 value = 0.5 + (next(self._next) * GOLDEN) % 1.0
                 self._values[symbol] = sympy.Float(value)
         terms = [
-            float(term.xreplace(self._values))
+            complex(term.xreplace(self._values))
             for term in sympy.Add.make_args(expression)
         ]
         return _Sum(sum(terms), sum(map(abs, terms)))
@@ -97,7 +98,8 @@ class _Somewhere:
 def _undetermined(matrix: list[Row]) -> list[int]:
     """Return the rows that depend on those above them, by elimination."""
     columns = {symbol: j for j, symbol in enumerate(dict.fromkeys(chain(*matrix)))}
-    values, sizes = np.zeros((2, len(matrix), len(columns)))
+    sizes = np.zeros((len(matrix), len(columns)))
+    values = sizes.astype(complex)
     for i, row in enumerate(matrix):
         for symbol, entry in row.items():
             values[i, columns[symbol]] = entry.value
@@ -115,5 +117,6 @@ def _undetermined(matrix: list[Row]) -> list[int]:
         step = values[rows, best][:, None] * pivot
         values[np.ix_(rows, left)] -= step
         sizes[np.ix_(rows, left)] += np.abs(step)
-        values[:, best] = sizes[:, best] = 0.0
+        values[:, best] = 0.0
+        sizes[:, best] = 0.0
     return defective

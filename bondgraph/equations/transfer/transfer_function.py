@@ -4,7 +4,7 @@ Kept as two polynomials in s without a common factor. The gain is that of the
 zero-pole-gain form: the ratio of the leading coefficients, 176.76 in
 ``176.76 / (s (s + pole))``. Three forms print and render: `polynomial` (coefficients by
 powers of s), `textbook` (factors without fractions), `pole_zero_gain` (gain times
-factors that start with s).
+factors that start with s). Beside a parameter called s the latter two write p instead.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,7 +12,14 @@ from dataclasses import dataclass
 
 import sympy
 
-from bondgraph.equations.algebra.factors import PoleZeroGain, monic, product, s
+from bondgraph.equations.algebra.factors import (
+    PoleZeroGain,
+    for_reading,
+    is_ambiguous,
+    monic,
+    product,
+    s,
+)
 from bondgraph.equations.algebra.factors import polynomial as _polynomial
 from bondgraph.errors import EquationError, ParameterError
 from bondgraph.structure.signals import parameter_symbol
@@ -79,10 +86,12 @@ class TransferFunction:
 
     @property
     def textbook(self) -> sympy.Expr:
-        """Numerator over denominator as products of polynomials in s, for reading."""
-        return product(self.numerator_coefficients) / product(
-            self.denominator_coefficients
-        )
+        """Numerator over denominator as products of polynomials in s, for reading.
+
+        Where a parameter is called s, they are written in p.
+        """
+        top, bottom = self.numerator_coefficients, self.denominator_coefficients
+        return for_reading(product(top) / product(bottom), (*top, *bottom))
 
     @property
     def pole_zero_gain(self) -> PoleZeroGain:
@@ -137,7 +146,10 @@ class TransferFunction:
         return numbers
 
     def __str__(self) -> str:
-        return f"{self.name} = {self.textbook}"
+        text = f"{self.name} = {self.textbook}"
+        if is_ambiguous((*self.numerator_coefficients, *self.denominator_coefficients)):
+            return f"{text}, p for Laplace's variable, as s is a parameter"
+        return text
 
     def _repr_latex_(self) -> str:
         return f"$\\displaystyle {sympy.latex(self.textbook)}$"

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import sympy
 
+from bondgraph.equations.algebra.factors import for_reading
 from bondgraph.equations.transfer.transfer_function import TransferFunction
 from bondgraph.errors import EquationError, did_you_mean
 
@@ -47,10 +48,17 @@ class TransferMatrix:
 
     @property
     def expression(self) -> sympy.ImmutableDenseMatrix:
-        """The matrix of expressions in s, factored for reading."""
-        return sympy.ImmutableDenseMatrix(
-            *self.shape, [entry.textbook for entry in self]
-        )
+        """The matrix of expressions in s, factored for reading.
+
+        Where a parameter is called s, all of them are written in p.
+        """
+        inside = [
+            c
+            for entry in self
+            for c in (*entry.numerator_coefficients, *entry.denominator_coefficients)
+        ]
+        entries = [for_reading(entry.textbook, inside) for entry in self]
+        return sympy.ImmutableDenseMatrix(*self.shape, entries)
 
     def at(
         self, frequency: complex, values: Mapping[str, float]

@@ -93,7 +93,8 @@ def identifiability(
     Raises
     ------
     FitError, ParameterError
-        If the model measures nothing, or a parameter has no value.
+        If there is no recording, the model measures nothing, or a parameter has no
+        value.
     """
     chosen = FitSettings() if settings is None else settings
     model, recordings = prepare(graph), matched(graph, recordings)

@@ -19,6 +19,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.choices import refuse_other
+from bondgraph.errors import FitError
 from bondgraph.fitting.certainty.whiteness import ljung_box
 from bondgraph.fitting.kalman.filter_setting import Setting
 from bondgraph.fitting.kalman.filter_start import best_noise, filter_starts
@@ -106,7 +108,9 @@ def fit_innovations(
     """
     chosen = FitSettings() if settings is None else settings
     recordings = matched(graph, recordings)
-    tried = filter_starts(graph, recordings, shaken, chosen, kalman or Extended())
+    carried = Extended() if kalman is None else kalman
+    refuse_other(carried, KalmanFilter, "The Kalman filter", FitError)
+    tried = filter_starts(graph, recordings, shaken, chosen, carried)
     found = [(setting, best_noise(setting)) for setting in tried]
     able = [(setting, start) for setting, start in found if start is not None]
     if not able:

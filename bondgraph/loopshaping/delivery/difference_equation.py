@@ -36,7 +36,7 @@ def difference_equation(
     return f"{result}[k] ={text or ' 0'}"
 
 
-def as_text(controller: DigitalController) -> str:
+def difference_equations(controller: DigitalController) -> str:
     """Return a controller's difference equations, limits and period."""
     lines = [f"{controller.name}: every {controller.period!r} s"]
     filtered = "y"

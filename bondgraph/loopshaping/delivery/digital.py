@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, assert_never
 
+from bondgraph.choices import refuse_other
 from bondgraph.errors import LoopShapingError
 from bondgraph.loopshaping.delivery.anti_windup import (
     AntiWindup,
@@ -251,18 +252,29 @@ def digital_controller(
     Raises
     ------
     LoopShapingError
-        If a part cannot be discretised, or a coefficient does not fit the arithmetic.
+        If a part cannot be discretised, a coefficient does not fit the arithmetic, or a
+        choice is none of its family.
     """
-    method = method or Tustin()
-    default: AntiWindup = NoAntiWindup() if limits is None else Clamping()
+    method = Tustin() if method is None else method
+    filter_method = method if filter_method is None else filter_method
+    arithmetic = Double() if arithmetic is None else arithmetic
+    if anti_windup is None:
+        anti_windup = NoAntiWindup() if limits is None else Clamping()
+    for chosen, family, what in (
+        (method, AbstractDiscretisation, "method"),
+        (filter_method, AbstractDiscretisation, "filter_method"),
+        (arithmetic, AbstractArithmetic, "arithmetic"),
+        (anti_windup, AntiWindup, "anti_windup"),
+    ):
+        refuse_other(chosen, family, f"The {what} of {name!r}", LoopShapingError)
     made = DigitalController(
         name=name,
         period=period,
         controller=method(controller, period),
-        filter=(filter_method or method)(filter or ZeroPoleGain(), period),
-        arithmetic=arithmetic or Double(),
+        filter=filter_method(filter or ZeroPoleGain(), period),
+        arithmetic=arithmetic,
         limits=limits,
-        anti_windup=anti_windup or default,
+        anti_windup=anti_windup,
     )
     made.sums()  # refuses coefficients that do not fit
     return made

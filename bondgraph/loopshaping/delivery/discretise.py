@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import expm
 
+from bondgraph.choices import is_finite
 from bondgraph.errors import LoopShapingError
 from bondgraph.loopshaping.loop import zero_pole_gain
 from bondgraph.loopshaping.realisation import realise
@@ -62,6 +63,14 @@ def _without_delay(system: ZeroPoleGain) -> None:
         )
 
 
+def _check_frequency(omega: float | None, done: str) -> None:
+    if omega is not None and not (is_finite(omega) and omega > 0):
+        raise LoopShapingError(
+            f"A controller cannot be {done} at {omega!r} rad/s.",
+            remedy="Give a positive frequency, such as the crossover.",
+        )
+
+
 @dataclass(frozen=True, slots=True)
 class Tustin(AbstractDiscretisation):
     """The trapezoidal rule, ``s = k (z - 1)/(z + 1)``.
@@ -73,6 +82,9 @@ class Tustin(AbstractDiscretisation):
     """
 
     prewarp: float | None = None
+
+    def __post_init__(self) -> None:
+        _check_frequency(self.prewarp, "prewarped")
 
     def sampled(self, system: ZeroPoleGain, period: float) -> ZeroPoleGain:
         """Return the system at a sampling period in seconds."""
@@ -111,6 +123,9 @@ class Matched(AbstractDiscretisation):
     """
 
     at: float | None = None
+
+    def __post_init__(self) -> None:
+        _check_frequency(self.at, "matched")
 
     def sampled(self, system: ZeroPoleGain, period: float) -> ZeroPoleGain:
         """Return the system at a sampling period in seconds."""

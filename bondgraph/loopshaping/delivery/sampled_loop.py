@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bondgraph.choices import is_finite
 from bondgraph.errors import LoopShapingError
 from bondgraph.loopshaping.delivery.digital import DigitalController
 from bondgraph.loopshaping.delivery.discretise import ExactHold, propagated
@@ -74,6 +75,15 @@ class Encoder:
     step: float = 0.0
     noise: float = 0.0
 
+    def __post_init__(self) -> None:
+        for what, value in (("step", self.step), ("noise", self.noise)):
+            if not (is_finite(value) and value >= 0):
+                raise LoopShapingError(
+                    f"The {what} of an encoder is {value!r}.",
+                    (what,),
+                    "Give a finite number that is not negative.",
+                )
+
     def read(self, output: float, generator: np.random.Generator) -> float:
         """Return what the controller is told."""
         if self.noise:
@@ -97,11 +107,6 @@ class SampledRun:
     def rms_error(self) -> float:
         """Root mean square of reference minus true output."""
         return float(np.sqrt(np.mean((self.reference - self.output) ** 2)))
-
-    @property
-    def rms_command_change(self) -> float:
-        """Root mean square of the command's change from sample to sample."""
-        return float(np.sqrt(np.mean(np.diff(self.command) ** 2)))
 
 
 def simulate_sampled(

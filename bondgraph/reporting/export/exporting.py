@@ -7,8 +7,10 @@ import json
 from dataclasses import dataclass
 from typing import assert_never
 
+from bondgraph.choices import refuse_other
 from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.rendering import as_latex
+from bondgraph.errors import BondGraphError
 from bondgraph.reporting.export.c99 import RESERVED as C_WORDS
 from bondgraph.reporting.export.c99 import to_c99
 from bondgraph.reporting.export.identifiers import Identifiers, identifier
@@ -104,6 +106,7 @@ def export(graph: FinishedGraph, to: Target) -> tuple[ExportedFile, ...]:
     ParameterError
         If numbers are needed and a parameter has no value.
     """
+    refuse_other(to, Target, "The target of an export", BondGraphError)
     stem = _stem(graph, to)
     match to:
         case C99():
