@@ -126,7 +126,7 @@ def test_no_recording_and_one_given_twice_are_refused():
     bound = bind_to(graph, in_metres())
     with pytest.raises(RecordingError, match="no recording of 'cart'"):
         fit(graph, [])
-    for call in (fit, partial(diagnose, held_out=())):
+    for call in (fit, partial(diagnose, held_out=[bound])):
         with pytest.raises(RecordingError, match="'run' and 'run' hold the same"):
             call(graph, [bound, bound])
 

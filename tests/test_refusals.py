@@ -93,7 +93,7 @@ HARDLY = np.where(TIME < 0.3, MOVING, np.nan)
 LEAD = Lead(gain=1.0, zero=1.0, pole=5.0)
 
 ROWS = {
-    "no recording to fit": (lambda: fit(graph(), []), "no recording to fit 'lag'"),
+    "no recording to fit": (lambda: fit(graph(), []), "no recording of 'lag'"),
     "none to filter": (lambda: fit_innovations(graph(), []), "no recording"),
     "none to know of": (lambda: identifiability(graph(), []), "no recording"),
     "none to diagnose": (

@@ -17,7 +17,7 @@ RECORDING = "time [s],T [N*m],theta [rad]"
         ("simulate leg.py:leg r.csv -o r.csv", "r.csv"),
         ("simulate leg.py:leg r.csv --json ./r.csv", "r.csv"),
         ("fit leg.py r.csv -o leg.py", "leg.py"),
-        ("draw leg.py:leg -o ../bench/leg.py", "leg.py"),
+        ("export leg.py:leg --to latex -o ../bench/leg.py", "leg.py"),
         ("export leg.py:leg --to c -o leg.py", "leg.py"),
         ("diagnose leg.py:leg a.csv --held-out r.csv --html r.csv", "r.csv"),
         ("diagnose leg.py:leg a.csv r.csv --next-experiment r.csv", "r.csv"),
