@@ -52,7 +52,7 @@ def block():
     g.one("block", Se("push"), weight, I("m"), R("rub", law=rub))
     g.measure("x", displacement="block")
     g.measure("v", flow="block")
-    g.measure("force", effort="rub")
+    g.measure("rubs", effort="rub")
     return g, {"m": 2.0, "mu": 0.3, "slope": np.deg2rad(10), "g": STANDARD_GRAVITY}
 
 
@@ -207,7 +207,7 @@ def test_friction_in_load_and_position():
     law = mu * sympy.Abs(effort("c")) * sympy.sign(f)
     g.one("mass", Se("force"), I("m"), C("c"), R("rub", law=law))
     g.measure("v", flow("mass"))
-    g.measure("force", effort="rub")
+    g.measure("rubs", effort="rub")
     values = {"m": 1.0, "c": 0.01, "mu": 0.4}
     # The spring pushes with 10 N; 4 N of friction hold pushes between 6 and 14 N.
     time = np.linspace(0, 1, 1001)

@@ -34,7 +34,9 @@ BOTH_WAYS = ", the same both ways"
 
 @dataclass(frozen=True)
 class UnknownRelation(AbstractPhysics):
-    """A free curve of what is local; also of a friction's size, or a ratio, on the way.
+    """A free curve of what is local; of a friction's size, or a ratio, on the way.
+
+    Or of something recorded elsewhere that steers a resistance.
 
     Parameters
     ----------
