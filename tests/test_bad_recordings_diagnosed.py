@@ -13,12 +13,12 @@ from scipy.linalg import expm
 
 from bondgraph import BondGraph, C, I, R, Se
 from bondgraph.diagnosis.diagnose import diagnose
-from bondgraph.diagnosis.misreadings import without_misreadings
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.errors import RecordingError
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.recordings.binding import BoundRecording, bind
+from bondgraph.recordings.misreadings import without_misreadings
 from bondgraph.recordings.recording import Recording
 from bondgraph.simulation.solvers import Hold
 

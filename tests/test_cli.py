@@ -4,6 +4,7 @@ Exit status 0: fine, 1: the answer is no, 2: refused in one line, 130: interrupt
 """
 
 import json
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -192,6 +193,26 @@ def test_simulate_compares_the_model_with_a_recording(model, recording, tmp_path
     assert out.read_text().startswith(
         "time [s],velocity [m/s],velocity_simulated [m/s]\n"
     )
+
+
+def test_simulate_and_fit_leave_misreadings_out_and_say_so(model, recording, tmp_path):
+    lines = Path(recording).read_text().splitlines()
+    column = lines[0].split(",").index("velocity [m/s]")
+    for row in (40, 171):
+        cells = lines[row + 1].split(",")
+        cells[column] = "-70"
+        lines[row + 1] = ",".join(cells)
+    spoilt = tmp_path / "spoilt.csv"
+    spoilt.write_text("\n".join(lines))
+    true = ("--set", f"mass={MASS}", "--set", f"viscous={VISCOUS}", "--hold", "zero")
+    said = run("simulate", model, spoilt, *true).stdout
+    assert "velocity of spoilt jumps away and back at sample 40, 171" in said
+    share = float(re.search(r"That is (.*) % of", said)[1])
+    assert share < 1.0
+    found = run("fit", model, spoilt, "--hold", "zero").stdout
+    assert "taken for a misreading" in found
+    mass = re.search(r"mass +\S+ +(\S+) ±", found)[1]
+    assert float(mass) == pytest.approx(MASS, rel=0.02)
 
 
 def test_fit_finds_the_parameters_and_writes_the_model(model, recording, tmp_path):

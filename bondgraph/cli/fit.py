@@ -32,6 +32,7 @@ from bondgraph.fitting.fitted import FittedModel
 from bondgraph.fitting.long_runs import simulate_whole
 from bondgraph.fitting.result import FitResult, FitStatus, Score
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.misreadings import without_misreadings
 from bondgraph.reporting.model_text import to_python
 from bondgraph.reporting.tables import INTERVAL, estimates_table
 
@@ -86,7 +87,8 @@ def command(
     """
     session.answers_in(json_file)
     graph = read_model(model, values)
-    bound = read_recordings(recordings, graph, reading)
+    read = without_misreadings(read_recordings(recordings, graph, reading))
+    bound = read.recordings
     with session.progress(loops=True) as progress:
         progress(f"fitting {graph.name}")
         fit = fitted_either_way if either_hold else fit_model
@@ -109,7 +111,8 @@ def command(
         session.say(ends)
         session.say()
     chosen = hold_words(fitted, bound) if either_hold else ()
-    session.say("\n".join((*known(result, whole, graph, bound), *chosen)))
+    words = (*known(result, whole, graph, bound), *read.notes, *chosen)
+    session.say("\n".join(words))
     if result.unidentifiable:
         session.hint(
             "What is known of a parameter beforehand may be said in the model: "

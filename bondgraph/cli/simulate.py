@@ -2,6 +2,7 @@
 
 import math
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -23,9 +24,16 @@ from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.fitting.simulate import Solution, SolveStatus, simulate
 from bondgraph.recordings.commands import go_in_steps
+from bondgraph.recordings.misreadings import without_misreadings
 from bondgraph.recordings.names import join_header
+from bondgraph.recordings.spread import spread
 from bondgraph.reporting.diagnosis_json import json_value
-from bondgraph.reporting.wording import number_words, relative_error, unit_words
+from bondgraph.reporting.wording import (
+    number_words,
+    percent,
+    relative_error,
+    unit_words,
+)
 from bondgraph.simulation.energy_audit import EnergyAudit
 from bondgraph.simulation.events import Event
 from bondgraph.simulation.solvers import Hold
@@ -76,7 +84,8 @@ def command(
     """
     session.answers_in(json_file)
     graph = read_model(model, values)
-    (bound,) = read_recordings([recording], graph, reading)
+    read = without_misreadings(read_recordings([recording], graph, reading))
+    (bound,) = read.recordings
     held = either_hold and go_in_steps([bound])
     if held:
         settings = replace(settings, hold=Hold.ZERO)
@@ -90,14 +99,15 @@ def command(
             (graph.name, bound.name),
             "Simulate shorter stretches with --window SECONDS.",
         )
-    for name, unit in zip(solution.output_names, solution.output_units, strict=True):
-        rmse = number_words(solution.score.rmse[name])
-        session.say(f"{name}: simulated minus measured {rmse} {unit_words(unit)} rms")
+    for line in _errors(solution):
+        session.say(line)
     spread = "the standard deviation of what was measured"
     session.say(f"That is {relative_error(solution.score, spread)}.")
     if any(domain is not THERMAL for domain in graph.domains):
         session.say(_energy_words(solution.audit))
     session.say(_event_words(solution.events))
+    for note in read.notes:
+        session.say(note)
     if held:
         session.say(
             "Inputs stay the same from most samples to the next, as commands do, and "
@@ -108,6 +118,17 @@ def command(
     if output is not None:
         session.write(output, _csv(solution))
     session.deliver(json_file, _plain(solution))
+
+
+def _errors(solution: Solution) -> Iterator[str]:
+    """Yield how far each output is from what was measured, also over its spread."""
+    spreads = spread(solution.measured)
+    for i, name in enumerate(solution.output_names):
+        size = solution.score.rmse[name]
+        rmse = f"{number_words(size)} {unit_words(solution.output_units[i])} rms"
+        alone = len(solution.output_names) == 1 or name in solution.score.unchanging
+        share = "" if alone else f", {percent(size / spreads[i])}"
+        yield f"{name}: simulated minus measured {rmse}{share}"
 
 
 def _energy_words(audit: EnergyAudit) -> str:

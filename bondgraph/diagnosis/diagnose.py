@@ -15,18 +15,19 @@ from bondgraph.choices import refuse_other
 from bondgraph.diagnosis.answer.notes import notes_on_gaps
 from bondgraph.diagnosis.answer.telling import answer
 from bondgraph.diagnosis.evidence.leftover import excusable
-from bondgraph.diagnosis.misreadings import refuse_unchanging, without_misreadings
 from bondgraph.diagnosis.records import Diagnosis
 from bondgraph.diagnosis.search.base.beginnings import base_fit
 from bondgraph.diagnosis.search.base.horizons import search_settings
 from bondgraph.diagnosis.search.looks import look, second_look
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.unchanging import refuse_unchanging
 from bondgraph.diagnosis.work.clock import Progress
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.limit import Limit
 from bondgraph.diagnosis.work.workers import workshop
 from bondgraph.errors import FitError, RecordingError
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.misreadings import without_misreadings
 from bondgraph.recordings.model_channels import matched, refuse_twice
 from bondgraph.recordings.windows import windows
 from bondgraph.structure.graph import FinishedGraph
