@@ -38,7 +38,8 @@ class FlexibleMode(AbstractPhysics):
         masses = (1e-3 * mass,) * RATES + (mass,) * RATES
         m = place.strength("mode_inertia", place.unit(P, F), masses, low=1e-6 * mass)
         w = place.shape("mode_frequency", "rad/s", _rates(place) * 2, low=0.0)
-        z = place.shape("mode_damping", "1", (0.05,), low=0.0, high=2.0)
+        # What bends rings. What follows slowly is a drift, whose mass means nothing.
+        z = place.shape("mode_damping", "1", (0.05,), low=0.0, high=1.0)
         name = place.name_of("mode")
         part = Inertance(f"{name}_part", law=p / m.symbol)
         spring = Compliance(f"{name}_spring", law=m.symbol * w.symbol**2 * q)
