@@ -1,6 +1,7 @@
 """A model beside a recording: its energy audit, events and reason, in text and JSON."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -170,7 +171,7 @@ def test_the_command_lists_few_events_and_counts_many(files, tmp_path):
             assert events[0]["time"] == pytest.approx(1.0, abs=0.02)
             assert "Events: dry sticks at 1" in shown
         else:
-            assert "dry slips 10 times" in shown
+            assert re.search(r"dry \(.*slips 10 times", shown)
 
 
 def test_the_command_refuses_with_the_reason(files):

@@ -148,8 +148,13 @@ def _energy_words(audit: EnergyAudit) -> str:
 def _event_words(events: tuple[Event, ...]) -> str:
     """Return the events: each while they are few, else how many of each kind."""
     if len(events) > LISTED_EVENTS:
-        counts = Counter((event.place, event.kind.value) for event in events)
-        told = [f"{place} {kind} {n} times" for (place, kind), n in counts.items()]
+        kinds: dict[str, Counter[str]] = {}
+        for event in events:
+            kinds.setdefault(event.place, Counter())[event.kind.value] += 1
+        told = [
+            f"{place} ({', '.join(f'{kind} {n} times' for kind, n in counts.items())})"
+            for place, counts in kinds.items()
+        ]
     else:
         told = [f"{e.place} {e.kind.value} at {e.time:.4g} s" for e in events]
     return f"Events: {', '.join(told) or 'none'}."
