@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from bondgraph.diagnosis.search.base.steps import coarser
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel, pose, prepare
+from bondgraph.fitting.horizon import SHORTEST
 from bondgraph.fitting.levenberg_marquardt import minimise
-from bondgraph.fitting.problem import FitProblem, Linearisation
+from bondgraph.fitting.problem import FitProblem, Linearisation, linearise_windows
 from bondgraph.numeric.model import NumericModel
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.simulation.native_shooting import suits_explicit
@@ -113,6 +114,27 @@ def coarse(fitted: FittedModel) -> FittedModel:
         problem, optimum.theta, optimum.initial, iterations=THINNED_ITERATIONS
     )
     return replace(fitted, problem=problem, optimum=optimum)
+
+
+def divided(fitted: FittedModel, pieces: int) -> FittedModel | None:
+    """Return the model fitted to windows that are divided, each piece on its own.
+
+    Short ones into fewer pieces; None where there are none that can be divided.
+    """
+    problem, optimum = fitted.problem, fitted.optimum
+    ends: list[int] = [0]
+    for part in problem.shots.slices:
+        count = min(pieces, max((part.stop - part.start) // SHORTEST, 1))
+        cuts = np.linspace(part.start, part.stop, count + 1).astype(int)
+        ends += map(int, cuts[1:])
+    if len(ends) == len(problem.shots.edges):
+        return None
+    passed = linearise_windows(problem, optimum.theta, optimum.initial).states
+    problem = replace(problem, shots=replace(problem.shots, edges=tuple(ends)))
+    there = minimise(
+        problem, optimum.theta, passed[ends[:-1]], iterations=THINNED_ITERATIONS
+    )
+    return replace(fitted, problem=problem, optimum=there)
 
 
 def thinned(fitted: FittedModel, most: int = SCREENED) -> FittedModel:

@@ -6,7 +6,7 @@ places and laws only: it reads a limited share of the data, and only a fixed num
 hypotheses goes on to the next, dearer stage.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -32,7 +32,7 @@ def screen(bench: Bench, hypotheses: Sequence[Hypothesis]) -> Screened:
         if "refused" in result:
             rejected.append(Rejected(hypothesis, result["refused"]))
         else:
-            begun = _begun_best(hypothesis, result.get("order", ()))
+            begun = _begun_best(hypothesis, result.get("order", ()), result.get("near"))
             promised.append(Promised(begun, result["promised"]))
     promised.sort(key=lambda one: -one.reduction)
     others = len(promised) - len(chance)
@@ -41,15 +41,20 @@ def screen(bench: Bench, hypotheses: Sequence[Hypothesis]) -> Screened:
     )
 
 
-def _begun_best(hypothesis: Hypothesis, order: Sequence[int]) -> Hypothesis:
+def _begun_best(
+    hypothesis: Hypothesis, order: Sequence[int], near: Mapping[str, float] | None
+) -> Hypothesis:
     """Return a law that differs in its form only from start to start, from the best.
 
     Of many forms, a ripple's lengths for instance, a fit from most would be in vain.
+    Before them from where a fit over short windows has ended, if there was one: the
+    first fit that keeps the promise may be the last one.
     """
     starts = hypothesis.starts
     if len(starts) <= STARTS or len(order) < len(starts):
         return hypothesis
-    return replace(hypothesis, starts=tuple(starts[i] for i in order[:STARTS]))
+    best = tuple(starts[i] for i in order[:STARTS])
+    return replace(hypothesis, starts=(near, *best) if near else best)
 
 
 def effective_number(chance: Array) -> float:

@@ -13,12 +13,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.search.trials.posing import divided
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.problem import FitProblem, parts
 
 Array = NDArray[np.float64]
 DRAWS = 399
 SEED = 7
+NEAR = 8
+"""Into how many pieces windows are divided for a nearer look."""
+
 DEPENDENT = 1e-7
 """A direction this much shorter than the longest is no direction of its own."""
 
@@ -47,6 +51,18 @@ class Baseline:
         """
         fitted, solver = self.fitted, replace(self.fitted.problem.solver, substeps=1)
         return replace(fitted, problem=replace(fitted.problem, solver=solver))
+
+    @cached_property
+    def near(self) -> "Baseline | None":
+        """The base model over windows an eighth as long; None if those are too short.
+
+        What a small ripple does to a motion adds up over a window until slopes say
+        nothing of it, long before the window is too long for all else.
+        """
+        near = divided(self.quick, NEAR)
+        if near is None or not np.isfinite(near.optimum.cost):
+            return None
+        return Baseline(near, near.optimum.linearisation.residuals)
 
     @cached_property
     def _jacobian(self) -> Array:

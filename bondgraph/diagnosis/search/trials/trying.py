@@ -25,7 +25,7 @@ from bondgraph.diagnosis.search.trials.posing import (
     pose_hypothesis,
     thetas,
 )
-from bondgraph.diagnosis.search.trials.score_test import score_test
+from bondgraph.diagnosis.search.trials.score_test import Score, score_test
 from bondgraph.diagnosis.search.trials.surrogates import Baseline
 from bondgraph.diagnosis.work.journal import Plain
 from bondgraph.errors import BondGraphError, EquationError
@@ -44,6 +44,12 @@ LONGER = 15
 """A short fit that has not kept its promise, or is on its way, goes on for so many."""
 FULL_ITERATIONS = 30
 TOLERANCE = 1e-4
+FEW_FORMS = 6
+"""Of more forms of one law, a ripple's lengths, not each is fitted."""
+
+SURE = 0.8
+"""A form that promises this share of the error is the right one."""
+
 UNSOLVED = "the model's equations have no unique solution with it there"
 
 
@@ -103,18 +109,18 @@ def promise(baseline: Baseline, trial: Trial) -> Plain:
 
 def _scored(baseline: Baseline, trial: Trial) -> Plain:
     """Return what a hypothesis promises at its silent starts, and by chance."""
-    quick, hypothesis = baseline.quick, trial.hypothesis
-    problem = pose_hypothesis(quick, hypothesis)
-    new = added(quick, problem)
-    # What only follows a signal begins where that is, other memories anywhere.
-    follows = isinstance(hypothesis.edit, ReplaceMeasurement | WrapInput)
-    begun = without_effect if follows else settled
-    scores = [
-        score_test(baseline, problem, theta, begun(quick, problem, theta), new)
-        for theta in thetas(quick, hypothesis, problem, hypothesis.silent_starts)
-    ]
+    hypothesis = trial.hypothesis
+    scores = _scores(baseline, hypothesis)
     promised = [score.promised for score in scores]
     order = sorted(range(len(scores)), key=lambda i: -promised[i])
+    near: dict[str, float] = {}
+    if len(order) > FEW_FORMS and max(promised) < SURE and baseline.near is not None:
+        nearer = [score.promised for score in _scores(baseline.near, hypothesis)]
+        own = sorted(range(len(scores)), key=lambda i: -nearer[i])
+        pairs = zip(order, own, strict=True)
+        order = list(dict.fromkeys(i for pair in pairs for i in pair))
+        near = _fitted_near(baseline.near.quick, hypothesis, own[0])
+    follows = _follows(hypothesis)
     if hypothesis.waits or (hypothesis.is_never_none and not follows):
         promised.append(_at_its_starts(baseline.fitted, trial))
     chance = np.max([score.by_chance for score in scores], axis=0)
@@ -122,7 +128,39 @@ def _scored(baseline: Baseline, trial: Trial) -> Plain:
         "promised": max(promised),
         "by_chance": [round(float(share), 6) for share in chance],
         "order": order,
+        "near": near,
     }
+
+
+def _follows(hypothesis: Hypothesis) -> bool:
+    """Return whether all it does is to follow a signal."""
+    return isinstance(hypothesis.edit, ReplaceMeasurement | WrapInput)
+
+
+def _scores(baseline: Baseline, hypothesis: Hypothesis) -> list[Score]:
+    """Return the score test at each of the silent starts."""
+    quick = baseline.quick
+    problem = pose_hypothesis(quick, hypothesis)
+    new = added(quick, problem)
+    # What only follows a signal begins where that is, other memories anywhere.
+    begun = without_effect if _follows(hypothesis) else settled
+    return [
+        score_test(baseline, problem, theta, begun(quick, problem, theta), new)
+        for theta in thetas(quick, hypothesis, problem, hypothesis.silent_starts)
+    ]
+
+
+def _fitted_near(
+    near: FittedModel, hypothesis: Hypothesis, form: int
+) -> dict[str, float]:
+    """Return all values of a fit over short windows from one of the silent starts."""
+    problem = pose_hypothesis(near, hypothesis)
+    (theta,) = thetas(
+        near, hypothesis, problem, hypothesis.silent_starts[form : form + 1]
+    )
+    initial = settled(near, problem, theta)
+    found = minimise(problem, theta, initial, iterations=LONGER)
+    return dict(zip(problem.free_names, map(float, found.theta), strict=True))
 
 
 def _tried(base: FittedModel, trial: Trial) -> Plain:
