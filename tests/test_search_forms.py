@@ -10,7 +10,8 @@ from bondgraph.diagnosis.search.considered import Setting, considered
 from bondgraph.diagnosis.search.laws.fits import fit_remembering, fit_whatever
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.trials.bench import Bench
-from bondgraph.diagnosis.search.trials.screening import STARTS, screen
+from bondgraph.diagnosis.search.trials.screening import screen
+from bondgraph.diagnosis.search.trials.trying import FORMS
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model
@@ -68,7 +69,7 @@ def test_a_ripple_is_begun_near_its_length(bench, recordings):
     travel = np.ptp(recordings[0].outputs[:, 0])
     assert len(ripple.starts) > 50
     (first,) = screen(bench, [ripple]).promised
-    assert len(first.hypothesis.starts) == STARTS
+    assert len(first.hypothesis.starts) == FORMS
     begun = first.hypothesis.starts[0]["cogging_wave_carriage"]
     assert abs(begun - WAVE) < 2 * np.pi / travel
     (found,) = fit_whatever(bench, [first], 0.75, 1)

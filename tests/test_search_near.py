@@ -8,8 +8,8 @@ from bondgraph import BondGraph, I, R, Recording, Se, bind_to, f
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.posing import divided
-from bondgraph.diagnosis.search.trials.screening import STARTS, screen
-from bondgraph.diagnosis.search.trials.trying import FEW_FORMS
+from bondgraph.diagnosis.search.trials.screening import screen
+from bondgraph.diagnosis.search.trials.trying import FORMS
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model
@@ -74,11 +74,11 @@ def test_a_fit_of_the_true_length_over_short_windows_is_begun_from(base):
     (place,) = (one for one in places if one.name == "carriage")
     cogging = next(one for one in LIBRARY if one.word == "cogging")
     (law, *_) = cogging.propose(place)
-    assert len(law.starts) > FEW_FORMS
+    assert len(law.starts) > FORMS
     with workshop(Here(), Journal(), lambda _: None) as shop:
         (promised,) = screen(Bench.of(base, shop, "test"), [law]).promised
     begun = promised.hypothesis.starts
-    assert len(begun) == STARTS + 1
+    assert len(begun) == FORMS + 1
     assert begun[0]["cogging_wave_carriage"] == pytest.approx(WAVE, rel=0.01)
     found = np.hypot(*(begun[0][f"cogging_{w}_carriage"] for w in ("sine", "cosine")))
     assert found == pytest.approx(STRENGTH, rel=0.25)

@@ -21,6 +21,7 @@ from bondgraph.reporting.drawing import (
     draw_png,
     draw_svg,
 )
+from bondgraph.reporting.files import unwritable
 
 _NUMBER = {
     "bonds": BondLabels.NUMBERS,
@@ -138,11 +139,7 @@ def _write(session: Session, path: Path, picture: bytes) -> None:
     try:
         path.write_bytes(picture)
     except OSError as error:
-        raise BondGraphError(
-            f"{str(path)!r} cannot be written ({error.strerror}).",
-            (str(path),),
-            "Name a file in a directory that exists and may be written to.",
-        ) from error
+        raise unwritable(path, error.strerror) from error
     session.wrote(path)
 
 

@@ -13,7 +13,9 @@ from typing import Any
 
 import click
 
+from bondgraph.cli.session import STDOUT
 from bondgraph.errors import BondGraphError
+from bondgraph.reporting.files import unwritable
 
 
 class OutputFile(click.Path):
@@ -40,7 +42,7 @@ class OutputFile(click.Path):
             If the file cannot be written or has another suffix.
         """
         name = str(super().convert(value, param, ctx))
-        if name == "-":
+        if name == STDOUT:
             return name
         path = Path(name)
         if self.suffixes and path.suffix.lower() not in ("", *self.suffixes):
@@ -52,11 +54,7 @@ class OutputFile(click.Path):
             )
         trouble = _trouble(path)
         if trouble is not None:
-            raise BondGraphError(
-                f"{name!r} cannot be written ({os.strerror(trouble)}).",
-                (name,),
-                "Name a file in a directory that exists and may be written to.",
-            )
+            raise unwritable(name, os.strerror(trouble))
         return name
 
 
@@ -74,7 +72,7 @@ def refuse_overwriting(context: click.Context) -> None:
         for name in {path, path.rpartition(":")[0] or path}:
             taken.setdefault(Path(name).resolve(), f"is read as {option}")
     for option, path in _files(context, written=True):
-        if path == "-":
+        if path == STDOUT:
             continue
         where = Path(path).resolve()
         if where in taken:

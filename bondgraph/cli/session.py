@@ -17,8 +17,8 @@ from typing import Any, TextIO
 import click
 
 from bondgraph.cli.first_use import told_of_compiling
-from bondgraph.errors import BondGraphError
 from bondgraph.progress import Silent, Step, Steps, shown_progress
+from bondgraph.reporting.files import write_text
 
 STDOUT = "-"
 _COLOUR_CODE = re.compile(r"\x1b\[[0-9;]*m")
@@ -138,14 +138,7 @@ class Session:
         if str(path) == STDOUT:
             click.echo(text.rstrip("\n"))
             return
-        try:
-            Path(path).write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise BondGraphError(
-                f"{str(path)!r} cannot be written ({error.strerror}).",
-                (str(path),),
-                "Name a file in a directory that exists and may be written to.",
-            ) from error
+        write_text(path, text)
         self.wrote(path)
 
     def deliver(self, json_file: str | None, answer: Mapping[str, Any]) -> None:

@@ -25,7 +25,7 @@ from bondgraph.diagnosis.work.clock import Progress
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.limit import Limit
 from bondgraph.diagnosis.work.workers import workshop
-from bondgraph.errors import FitError, RecordingError
+from bondgraph.errors import FitError
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.misreadings import without_misreadings
 from bondgraph.recordings.model_channels import matched, refuse_twice
@@ -67,11 +67,10 @@ def diagnose(
     """
     chosen = Options() if options is None else options
     refuse_other(chosen, Options, "What is to set the diagnosis", FitError)
-    _check_given(graph, recordings, held_out)
     limit = Limit.after(chosen.seconds)
     refuse_twice(recordings)
-    recordings = matched(graph, recordings)
-    held_out = matched(graph, held_out) if held_out else ()
+    recordings = matched(graph, recordings, " to diagnose from")
+    held_out = matched(graph, held_out, " to show the answer on")
     refuse_unchanging(recordings)
     read, kept_back = without_misreadings(recordings), without_misreadings(held_out)
     recordings, held_out = read.recordings, kept_back.recordings
@@ -90,23 +89,6 @@ def diagnose(
     gaps = notes_on_gaps((*recordings, *held_out))
     notes = (*found.notes, *read.notes, *kept_back.notes, *gaps)
     return replace(found, notes=notes)
-
-
-def _check_given(
-    graph: FinishedGraph,
-    recordings: Sequence[BoundRecording],
-    held_out: Sequence[BoundRecording],
-) -> None:
-    for given, what in (
-        (recordings, "diagnose from"),
-        (held_out, "show the answer on"),
-    ):
-        if not given:
-            raise RecordingError(
-                f"There is no recording of {graph.name!r} to {what}.",
-                (graph.name,),
-                "Give at least one; split(recording, 0.6) makes two of one.",
-            )
 
 
 __all__ = ["Options", "diagnose"]

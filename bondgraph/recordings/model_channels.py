@@ -43,9 +43,14 @@ def channels_of(graph: FinishedGraph) -> ModelChannels:
 
 
 def matched(
-    graph: FinishedGraph, recordings: Sequence[BoundRecording]
+    graph: FinishedGraph, recordings: Sequence[BoundRecording], what_for: str = ""
 ) -> tuple[BoundRecording, ...]:
     """Return recordings with the columns in the order in which `graph` has them.
+
+    Parameters
+    ----------
+    what_for
+        They are needed, for the refusal where there is none: ``" to diagnose from"``.
 
     Raises
     ------
@@ -54,9 +59,10 @@ def matched(
     """
     if not recordings:
         raise RecordingError(
-            f"There is no recording of {graph.name!r}.",
+            f"There is no recording of {graph.name!r}{what_for}.",
             (graph.name,),
-            "Give at least one: [read_for(graph, path)].",
+            "Give at least one, read with read_for(graph, path); split(recording, 0.6) "
+            "makes two of one.",
         )
     channels = channels_of(graph)
     names = tuple(channels.inputs), tuple(channels.outputs)

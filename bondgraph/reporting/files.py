@@ -16,8 +16,13 @@ def write_text(path: Path | str, text: str) -> None:
     try:
         Path(path).write_text(text, encoding="utf-8")
     except OSError as error:
-        raise BondGraphError(
-            f"{str(path)!r} cannot be written ({error.strerror}).",
-            (str(path),),
-            "Name a file in a directory that exists and may be written to.",
-        ) from error
+        raise unwritable(path, error.strerror) from error
+
+
+def unwritable(path: Path | str, why: str | None) -> BondGraphError:
+    """Return the refusal of a file that cannot be written."""
+    return BondGraphError(
+        f"{str(path)!r} cannot be written ({why}).",
+        (str(path),),
+        "Name a file in a directory that exists and may be written to.",
+    )

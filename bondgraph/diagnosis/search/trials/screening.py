@@ -14,12 +14,10 @@ from numpy.typing import NDArray
 
 from bondgraph.diagnosis.candidates import Promised, Rejected, Screened
 from bondgraph.diagnosis.search.trials.bench import Bench
-from bondgraph.diagnosis.search.trials.trying import Trial, promise
+from bondgraph.diagnosis.search.trials.trying import FORMS, Trial, promise
 from bondgraph.physics.hypothesis import Hypothesis
 
 Array = NDArray[np.float64]
-STARTS = 6
-"""From so many forms of a law that differ from start to start a fit begins."""
 
 
 def screen(bench: Bench, hypotheses: Sequence[Hypothesis]) -> Screened:
@@ -51,9 +49,9 @@ def _begun_best(
     first fit that keeps the promise may be the last one.
     """
     starts = hypothesis.starts
-    if len(starts) <= STARTS or len(order) < len(starts):
+    if len(starts) <= FORMS or len(order) < len(starts):
         return hypothesis
-    best = tuple(starts[i] for i in order[:STARTS])
+    best = tuple(starts[i] for i in order[:FORMS])
     return replace(hypothesis, starts=(near, *best) if near else best)
 
 

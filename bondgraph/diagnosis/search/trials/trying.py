@@ -44,8 +44,8 @@ LONGER = 15
 """A short fit that has not kept its promise, or is on its way, goes on for so many."""
 FULL_ITERATIONS = 30
 TOLERANCE = 1e-4
-FEW_FORMS = 6
-"""Of more forms of one law, a ripple's lengths, not each is fitted."""
+FORMS = 6
+"""Of a law with more forms, a ripple's lengths, no more are fitted."""
 
 SURE = 0.8
 """A form that promises this share of the error is the right one."""
@@ -114,7 +114,7 @@ def _scored(baseline: Baseline, trial: Trial) -> Plain:
     promised = [score.promised for score in scores]
     order = sorted(range(len(scores)), key=lambda i: -promised[i])
     near: dict[str, float] = {}
-    if len(order) > FEW_FORMS and max(promised) < SURE and baseline.near is not None:
+    if len(order) > FORMS and max(promised) < SURE and baseline.near is not None:
         nearer = [score.promised for score in _scores(baseline.near, hypothesis)]
         own = sorted(range(len(scores)), key=lambda i: -nearer[i])
         pairs = zip(order, own, strict=True)
