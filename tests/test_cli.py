@@ -50,11 +50,18 @@ def refused(result):
     return line.removeprefix("bondgraph: ")
 
 
-def recorded(path, *, header="time [s],force [N],velocity [m/s]", noise=1e-3, seed=3):
+def recorded(
+    path,
+    *,
+    header="time [s],force [N],velocity [m/s]",
+    noise=1e-3,
+    seed=3,
+    held=20,
+):
     """Write the cart's exact answer to a stepped force, plus noise, to a CSV file."""
     generator = np.random.default_rng(seed)
     step, count = 0.02, 400
-    force = np.repeat(generator.uniform(-1, 1, count // 20), 20)
+    force = np.repeat(generator.uniform(-1, 1, count // held), held)
     decay = np.exp(-VISCOUS / MASS * step)
     velocity = np.zeros(count)
     for k in range(count - 1):
@@ -193,6 +200,22 @@ def test_simulate_compares_the_model_with_a_recording(model, recording, tmp_path
     assert out.read_text().startswith(
         "time [s],velocity [m/s],velocity_simulated [m/s]\n"
     )
+
+
+@pytest.mark.parametrize(("held", "why"), [(20, "as commands"), (1, "fits better")])
+def test_simulate_tells_held_inputs_also_where_they_always_change(
+    model, tmp_path, held, why
+):
+    true = ("--set", f"mass={MASS}", "--set", f"viscous={VISCOUS}")
+    words = ("simulate", model, recorded(tmp_path / "run.csv", held=held), *true)
+    said = run(*words).stdout
+    assert "Inputs are taken to be held" in said
+    assert why in said
+    errors = [
+        json.loads(run(*words, "--hold", hold, "--json", "-").stdout)["nrmse"]
+        for hold in ("auto", "zero", "first")
+    ]
+    assert errors[0] == errors[1] < 0.5 * errors[2]
 
 
 def test_simulate_and_fit_leave_misreadings_out_and_say_so(model, recording, tmp_path):

@@ -110,8 +110,10 @@ def command(
     if ends and (INTERVAL not in table or session.verbose):
         session.say(ends)
         session.say()
-    chosen = hold_words(fitted, bound) if either_hold else ()
-    words = (*known(result, whole, graph, bound), *read.notes, *chosen)
+    words = [*known(result, whole, graph, bound), *read.notes]
+    problem = fitted.problem
+    if either_hold and problem.model.input_names and problem.model.n_states:
+        words.append(hold_words(problem.hold, bound))
     session.say("\n".join(words))
     if result.unidentifiable:
         session.hint(

@@ -8,7 +8,6 @@ from bondgraph.fitting.certainty.identifiability import (
 )
 from bondgraph.fitting.certainty.profile import Profile
 from bondgraph.fitting.certainty.solver_error import SolverError, SolverErrorStatus
-from bondgraph.fitting.fitted import FittedModel
 from bondgraph.fitting.natural_bounds import gone
 from bondgraph.fitting.result import FitResult, Score
 from bondgraph.recordings.binding import BoundRecording
@@ -77,18 +76,13 @@ def known(
         yield error.status.value
 
 
-def hold_words(
-    fitted: FittedModel, recordings: Sequence[BoundRecording]
-) -> Iterator[str]:
-    """Yield what its inputs were taken to do between samples, where it has any."""
-    if fitted.problem.model.input_names and fitted.problem.model.n_states:
-        way = fitted.problem.hold
-        held = way is Hold.ZERO
-        option = "--hold zero" if held else "--hold first"
-        alike = "as commands in steps are" if held else "as readings are"
-        expected = held is go_in_steps(recordings)
-        why = alike if expected else "since that fits better"
-        yield f"Inputs are taken to be {way.value} between samples, {why} ({option})."
+def hold_words(hold: Hold, recordings: Sequence[BoundRecording]) -> str:
+    """Return what inputs were taken to do between samples, and why."""
+    held = hold is Hold.ZERO
+    option = "--hold zero" if held else "--hold first"
+    alike = "as commands in steps are" if held else "as readings are"
+    why = alike if held is go_in_steps(recordings) else "since that fits better"
+    return f"Inputs are taken to be {hold.value} between samples, {why} ({option})."
 
 
 def profile_words(one: Profile) -> str:

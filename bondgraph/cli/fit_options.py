@@ -67,7 +67,7 @@ def fit_options(*, window: str) -> Callable[[F], F]:
             default="auto",
             show_default=True,
             help="Inputs between samples: held, as commands in steps are (zero), "
-            "straight lines (first), or as the recordings say (auto).",
+            "straight lines (first), or as fits the recordings better (auto).",
         )(with_settings)
         return click.option(  # type: ignore[return-value]
             "--window",

@@ -3,13 +3,14 @@
 import math
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import Any
 
 import click
 import numpy as np
 
 from bondgraph.cli.command import Command, json_option
+from bondgraph.cli.fit_answer import hold_words
 from bondgraph.cli.fit_options import fit_options
 from bondgraph.cli.inputs import (
     model_argument,
@@ -21,9 +22,9 @@ from bondgraph.cli.output_file import OutputFile
 from bondgraph.cli.reading_options import Reading, recording_options
 from bondgraph.cli.session import Session
 from bondgraph.errors import FitError
+from bondgraph.fitting.either_hold import simulated_either_way
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.fitting.simulate import Solution, SolveStatus, simulate
-from bondgraph.recordings.commands import go_in_steps
 from bondgraph.recordings.misreadings import without_misreadings
 from bondgraph.recordings.names import join_header
 from bondgraph.recordings.spread import spread
@@ -36,7 +37,6 @@ from bondgraph.reporting.wording import (
 )
 from bondgraph.simulation.energy_audit import EnergyAudit
 from bondgraph.simulation.events import Event
-from bondgraph.simulation.solvers import Hold
 from bondgraph.structure.domains import THERMAL
 
 LISTED_EVENTS = 8
@@ -86,12 +86,13 @@ def command(
     graph = read_model(model, values)
     read = without_misreadings(read_recordings([recording], graph, reading))
     (bound,) = read.recordings
-    held = either_hold and go_in_steps([bound])
-    if held:
-        settings = replace(settings, hold=Hold.ZERO)
+    hold = settings.hold
     with session.progress(loops=True) as progress:
         progress(f"simulating {bound.name}")
-        solution = simulate(graph, bound, settings=settings)
+        if either_hold:
+            solution, hold = simulated_either_way(graph, bound, settings)
+        else:
+            solution = simulate(graph, bound, settings=settings)
     if solution.status is SolveStatus.FAILED:
         raise FitError(
             f"The simulation of {graph.name!r} along {bound.name!r} does not stay "
@@ -108,11 +109,8 @@ def command(
     session.say(_event_words(solution.events))
     for note in read.notes:
         session.say(note)
-    if held:
-        session.say(
-            "Inputs stay the same from most samples to the next, as commands do, and "
-            "are held (--hold zero)."
-        )
+    if either_hold and bound.input_names and solution.runs[0].state_names:
+        session.say(hold_words(hold, [bound]))
     if solution.reason:  # of a run with accounts, where the one without them went on
         session.say(solution.reason)
     if output is not None:

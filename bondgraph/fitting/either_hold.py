@@ -11,6 +11,7 @@ from bondgraph.fitting.estimate import fit_model
 from bondgraph.fitting.fine_steps import simulated_as
 from bondgraph.fitting.fitted import FittedModel
 from bondgraph.fitting.settings import FitSettings
+from bondgraph.fitting.simulate import Solution, SolveStatus, simulate
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.commands import go_in_steps
 from bondgraph.simulation.solvers import Hold
@@ -49,3 +50,23 @@ def held_as_fits(fitted: FittedModel) -> FittedModel:
     other = Hold.ZERO if fitted.problem.hold is Hold.FIRST else Hold.FIRST
     rival = simulated_as(fitted, fitted.problem.solver, other)
     return rival if rival.optimum.cost < FITS_BETTER * fitted.optimum.cost else fitted
+
+
+def simulated_either_way(
+    graph: FinishedGraph, recording: BoundRecording, settings: FitSettings
+) -> tuple[Solution, Hold]:
+    """Return the run with inputs joined by lines or held, as comes nearer, and which.
+
+    Where both come as near, held if they stay the same from most samples to the next.
+    """
+    expected = Hold.ZERO if go_in_steps([recording]) else settings.hold
+    own = simulate(graph, recording, settings=replace(settings, hold=expected))
+    if not recording.input_names:
+        return own, expected
+    other = Hold.ZERO if expected is Hold.FIRST else Hold.FIRST
+    rival = simulate(graph, recording, settings=replace(settings, hold=other))
+    ran = rival.status is SolveStatus.SUCCESSFUL
+    if own.status is SolveStatus.FAILED:
+        return (rival, other) if ran else (own, expected)
+    nearer = ran and rival.score.nrmse < FITS_BETTER * own.score.nrmse
+    return (rival, other) if nearer else (own, expected)
