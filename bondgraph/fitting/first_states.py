@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.fitting.horizon import SHORTEST
-from bondgraph.fitting.problem import FitProblem, Linearisation
-from bondgraph.fitting.settling import by_window, settle
+from bondgraph.fitting.problem import FitProblem, Linearisation, write_windows
+from bondgraph.fitting.settling import settle
 from bondgraph.numeric.held_modes import with_modes_given
 from bondgraph.recordings.spread import spread
 from bondgraph.simulation.solvers import Sdirk2
@@ -73,8 +73,9 @@ def _better(problem: FitProblem, one: Settled, other: Settled) -> Settled:
     """Return, window by window, the states that fit better, with how they do."""
     (initial, here), (states, there) = one, other
     is_better = there.cost < here.cost
-    told = by_window(problem, is_better, there, here)
-    return np.where(is_better[:, None], states, initial), told
+    every = np.arange(len(is_better))
+    write_windows(here, problem.shots.edges, every, there, is_better)
+    return np.where(is_better[:, None], states, initial), here
 
 
 def states_in_motion(problem: FitProblem, theta: Array) -> Array | None:

@@ -9,7 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.problem import FitProblem, Linearisation, linearise_windows
+from bondgraph.fitting.problem import (
+    FitProblem,
+    Linearisation,
+    linearise_windows,
+    write_windows,
+)
 from bondgraph.fitting.settling import settle
 from bondgraph.fitting.steps import Step, next_step, total_cost
 
@@ -86,16 +91,10 @@ def _repair(
         return step, told
     part = replace(problem, shots=problem.shots.subset(windows))
     mended = linearise_windows(part, step.theta, settled[better])
-    rows = np.repeat(take, np.diff(problem.shots.edges))
-    merged = Linearisation(
-        _put(new.residuals, rows, mended.residuals),
-        _put(new.hessian, take, mended.hessian),
-        _put(new.slope, take, mended.slope),
-        _put(new.cost, take, mended.cost),
-        _put(new.states, rows, mended.states),
-    )
+    every = np.ones(len(windows), dtype=bool)
+    write_windows(new, problem.shots.edges, windows, mended, every)
     chosen = _put(step.initial, take, settled[better])
-    return replace(step, initial=chosen), merged
+    return replace(step, initial=chosen), new
 
 
 def _put(whole: Array, where: NDArray[np.bool_], values: Array) -> Array:

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from bondgraph.fitting.estimate import FittedModel, first_guess, pose, score
 from bondgraph.fitting.horizon import Horizon, WholeRecordings, Windows, cut
-from bondgraph.fitting.problem import FitProblem, Linearisation
+from bondgraph.fitting.problem import FitProblem, Linearisation, write_windows
 from bondgraph.fitting.result import Score
-from bondgraph.fitting.settling import by_window, settle
+from bondgraph.fitting.settling import settle
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.solvers import implicit
 
@@ -110,7 +110,7 @@ def _settled(problem: FitProblem, fitted: FittedModel) -> Linearisation:
         moved, there = settle(problem, theta, begin, iterations=25)
         better = there.cost < np.where(np.isfinite(at.cost), at.cost, np.inf)
         states = np.where(better[:, None], moved, states)
-        at = by_window(problem, better, there, at)
+        write_windows(at, problem.shots.edges, np.arange(len(lost)), there, better)
     return at
 
 

@@ -10,7 +10,7 @@ Each window's initial state is eliminated from the normal equations (Schur compl
 so the cost is linear in the number of windows.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -243,6 +243,33 @@ def linearise_windows(
     fine = np.isfinite(cost) & np.isfinite(hessian).all(axis=(1, 2))
     hessian[~fine], slope[~fine], cost[~fine] = 0.0, 0.0, np.inf
     return Linearisation(residuals, hessian, slope, cost, states)
+
+
+def write_windows(
+    into: Linearisation,
+    edges: Sequence[int],
+    at: NDArray[np.int64],
+    new: Linearisation,
+    better: NDArray[np.bool_],
+) -> None:
+    """Write windows of a new linearisation over those of an old one, in place.
+
+    Parameters
+    ----------
+    edges
+        Of all windows of the old one.
+    at
+        Which of these the new one consists of, in rising order.
+    better
+        Which of those are written, (n_windows of the new one,).
+    """
+    lengths = np.diff(edges)
+    written = np.zeros(len(lengths), dtype=bool)
+    written[at[better]] = True
+    here, there = np.repeat(written, lengths), np.repeat(better, lengths[at])
+    into.residuals[here], into.states[here] = new.residuals[there], new.states[there]
+    into.hessian[written], into.slope[written] = new.hessian[better], new.slope[better]
+    into.cost[written] = new.cost[better]
 
 
 def reduced_hessian(at: Linearisation, n_parameters: int) -> Array:

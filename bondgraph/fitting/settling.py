@@ -4,6 +4,8 @@ Only the slopes along the states are simulated, so it costs far less than a step
 whole fit where many parameters are free.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +14,7 @@ from bondgraph.fitting.problem import (
     Linearisation,
     linearise_windows,
     truncated_inverse,
+    write_windows,
 )
 from bondgraph.fitting.steps import damped
 
@@ -42,6 +45,7 @@ def settle(
     best = linearise_windows(fixed, nothing, initial)
     if problem.model.n_states == 0:
         return initial, best
+    initial = initial.copy()
     damping = np.full(len(best.cost), 1e-6)
     active = np.isfinite(best.cost)
     seen = _effects(best)
@@ -52,47 +56,34 @@ def settle(
         move = np.einsum("wij,wj->wi", inverse, best.slope)
         promised = np.einsum("wi,wi->w", best.slope, move)
         active &= promised > SETTLED * best.cost
-        if not active.any():
+        at = np.flatnonzero(active)
+        if not at.size:
             break
-        trial = np.where(active[:, None], initial + move, initial)
-        new = linearise_windows(fixed, nothing, trial)
-        seen = np.maximum(seen, _effects(new))
-        better = active & (new.cost < best.cost)
-        old = np.where(better, best.cost, 0.0)
+        trial = initial[at] + move[at]
+        new = linearise_windows(_of_windows(fixed, at), nothing, trial)
+        seen[at] = np.maximum(seen[at], _effects(new))
+        better, old = new.cost < best.cost[at], best.cost[at]
         gained = np.where(better, old - np.where(better, new.cost, 0.0), 0.0)
-        initial = np.where(better[:, None], trial, initial)
-        best = by_window(problem, better, new, best)
-        damping = np.where(better, damping / 10, damping * 100)
-        active &= (gained > SETTLED * best.cost) | (~better & (damping < 1e2))
+        initial[at[better]] = trial[better]
+        write_windows(best, problem.shots.edges, at, new, better)
+        damping[at] = np.where(better, damping[at] / 10, damping[at] * 100)
+        active[at] = (gained > SETTLED * best.cost[at]) | (
+            ~better & (damping[at] < 1e2)
+        )
         if not active.any():
             break
     return initial, best
+
+
+def _of_windows(problem: FitProblem, at: NDArray[np.int64]) -> FitProblem:
+    """Return the problem of those windows that are not settled yet."""
+    shots = problem.shots
+    if len(at) == shots.n_windows:
+        return problem
+    return replace(problem, shots=shots.subset(at))
 
 
 def _effects(settling: Linearisation) -> Array:
     """Return the squared effect of each window's initial state on it, (n, nx)."""
     effects: Array = np.einsum("wii->wi", settling.hessian)
     return effects
-
-
-def by_window(
-    problem: FitProblem,
-    take: NDArray[np.bool_],
-    new: Linearisation,
-    old: Linearisation,
-) -> Linearisation:
-    """Return, window by window, the new linearisation where `take`, else the old.
-
-    Parameters
-    ----------
-    take
-        Whether to take the new one, (n_windows,).
-    """
-    rows = np.repeat(take, np.diff(problem.shots.edges))
-    return Linearisation(
-        np.where(rows[:, None], new.residuals, old.residuals),
-        np.where(take[:, None, None], new.hessian, old.hessian),
-        np.where(take[:, None], new.slope, old.slope),
-        np.where(take, new.cost, old.cost),
-        np.where(rows[:, None], new.states, old.states),
-    )
