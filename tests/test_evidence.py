@@ -365,6 +365,16 @@ def test_a_later_finding_counts_by_what_it_explains_beside_the_earlier():
     assert little < MERE_SHAPE < second
 
 
+def test_what_mends_a_shape_leaves_some_of_it():
+    _, unknown = beside_earlier([0.997, 0.97])
+    _, much_left = beside_earlier([0.997, 0.97], remaining=0.002)
+    _, nothing_left = beside_earlier([0.997, 0.97], remaining=0.0)
+    own = 0.003 * 0.97
+    assert unknown == much_left == pytest.approx(own / (own + 0.01 * 0.997))
+    assert nothing_left == pytest.approx(own / (own + 0.001 * 0.997))
+    assert unknown < MERE_SHAPE < nothing_left
+
+
 def test_what_was_added_beside_later_findings_counts_by_what_those_leave():
     # The second has explained all that the first left; the third took the first's
     # place, and without it the second leaves 0.4.

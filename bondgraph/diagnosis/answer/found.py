@@ -27,13 +27,20 @@ def findings_of(
     after: FitResult,
     held_out: Sequence[BoundRecording],
     options: Options,
+    left: float,
 ) -> tuple[list[Finding], dict[str, Sequence[Judged]]]:
-    """Return the findings, and for each element what the data do not tell from it."""
+    """Return the findings, and for each element what the data do not tell from it.
+
+    Parameters
+    ----------
+    left
+        The share of the squared error that they leave beyond noise.
+    """
     made, better = accepted(rounds), better_curve(rounds, options.rule)
     findings: list[Finding] = []
     others: dict[str, Sequence[Judged]] = {}
     laws = [one.chosen for one in made if one.chosen is not None]
-    shares = shares_of(made)
+    shares = shares_of(made, left)
     there = {(chosen.physics, chosen.place) for chosen in laws}
     for found, chosen, share in zip(made, laws, shares, strict=True):
         # What was found as well is not what a finding may be instead.

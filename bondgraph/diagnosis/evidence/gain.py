@@ -23,6 +23,16 @@ SHAPE = 0.01
 library is exact.
 """
 
+EXACT = 0.001
+"""But no more than this where all findings together leave next to nothing: a law that
+only mends the shape of another leaves what it does not mend. A judgement: of strangers'
+machines three second laws of so little were true and left nothing beyond noise, two
+were not and left 3 and 4 thousandths.
+"""
+
+MENDED = 0.1
+"""What is left is at least this share of a shape that another law mends."""
+
 MERE_SHAPE = 0.5
 """A finding of which less than this share is more than shape ends the search."""
 
@@ -64,12 +74,14 @@ def compare(before: LeftOutErrors, after: LeftOutErrors) -> Gain:
 
 
 def beside_earlier(
-    gains: Sequence[float], without: Sequence[float | None] = ()
+    gains: Sequence[float],
+    without: Sequence[float | None] = (),
+    remaining: float = 1.0,
 ) -> list[float]:
     """Return for each finding how far it is more than the shape of the others.
 
-    What it explains over that and `SHAPE` of what they do, all of the first model's
-    left-out error.
+    What it explains over that and what may be shape of what they do, all of the first
+    model's left-out error.
 
     Parameters
     ----------
@@ -79,13 +91,16 @@ def beside_earlier(
         The share of the first model's error that the others leave, of a finding that
         was added beside later ones, too; None of one that was added to what the ones
         before it leave.
+    remaining
+        The share of it that all of them leave beyond noise, where that is known.
     """
+    shape = min(SHAPE, max(EXACT, remaining / MENDED))
     shares, left = [], 1.0
     known = [*without, *(None for _ in gains[len(without) :])]
     for gain, beside in zip(gains, known, strict=True):
         left = left if beside is None else min(beside, 1.0)
         own = max(left * gain, 1e-12)
-        shares.append(own / (own + SHAPE * (1.0 - left)))
+        shares.append(own / (own + shape * (1.0 - left)))
         left -= own
     return shares
 

@@ -15,12 +15,13 @@ from bondgraph.diagnosis.candidates import (
     Candidate,
     Rejected,
 )
+from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.search.base.beyond_noise import explainable, left_beside
 from bondgraph.diagnosis.search.base.runaway import run_away
 from bondgraph.diagnosis.search.considered import Setting, considered, promising
 from bondgraph.diagnosis.search.laws.curve_from_law import with_curve_drawn
 from bondgraph.diagnosis.search.laws.elsewhere import begun_elsewhere
-from bondgraph.diagnosis.search.laws.finer import as_fine_as_told
+from bondgraph.diagnosis.search.laws.finer import finest_of
 from bondgraph.diagnosis.search.laws.fits import (
     fit_best,
     fit_remembering,
@@ -89,13 +90,14 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
         fitted = fit_remembering(bench, again, HOPELESS, options.judged)
         seen = _judged(setting, bench, fitted, order, tried, seen)
     verdicts, chosen = seen.verdicts, seen.verdicts.chosen
-    first_choice = chosen
-    if chosen is not None and verdicts.before is not None:
-        chosen = as_fine_as_told(bench, chosen, verdicts.before)
     judged = with_curve_drawn(
         bench, verdicts, screened.independent, options.rule, setting.noise
     )
-    kept = [chosen if j is first_choice and chosen else j for j in judged]
+    drawn: dict[int, Judged] = {}
+    if chosen is not None and verdicts.before is not None:
+        drawn = finest_of(bench, chosen, judged, verdicts.before, options.rule)
+        chosen = next(iter(drawn.values()))
+    kept = [drawn.get(id(j), j) for j in judged]
     return Round(
         base,
         len(hypotheses),

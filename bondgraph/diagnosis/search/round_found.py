@@ -62,11 +62,17 @@ def accepted(rounds: Sequence[Round]) -> list[Round]:
     ]
 
 
-def shares_of(rounds: Sequence[Round]) -> list[float]:
-    """Return for each round that chose how far that is more than the others' shape."""
+def shares_of(rounds: Sequence[Round], remaining: float = 1.0) -> list[float]:
+    """Return for each round that chose how far that is more than the others' shape.
+
+    Parameters
+    ----------
+    remaining
+        The share of the first model's error that all leave beyond noise, where known.
+    """
     chosen = [found for found in rounds if found.chosen is not None]
     gains = [found.chosen.gain.value for found in chosen if found.chosen is not None]
-    return beside_earlier(gains, [found.without for found in chosen])
+    return beside_earlier(gains, [found.without for found in chosen], remaining)
 
 
 def supported_in(rounds: Sequence[Round]) -> frozenset[tuple[str, ...]]:

@@ -21,6 +21,7 @@ from bondgraph.diagnosis.search.one_round import one_round
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.revising.curve_beside import told_instead, with_curve
 from bondgraph.diagnosis.search.revising.exchange import Reached
+from bondgraph.diagnosis.search.revising.otherwise_held import held_as_found
 from bondgraph.diagnosis.search.revising.reconsidered import reconsidered
 from bondgraph.diagnosis.search.revising.removal import fitted_with
 from bondgraph.diagnosis.search.round_found import (
@@ -101,6 +102,11 @@ def _searched(
             supported_in(rounds),
         )  # fmt: skip
         found = one_round(setting, shop)
+        if options.either_hold and not shop.limit.passed:
+            setting, reached, found = held_as_found(
+                setting, reached, found, lambda other: one_round(other, shop)
+            )
+            current = reached.current
         nested = _better_without(current, found)
         if nested is not None:
             shop.progress(f"round {number}: again, from a better fit of the model")

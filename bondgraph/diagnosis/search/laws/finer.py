@@ -3,18 +3,21 @@
 Few knots are enough to find the place, and leave little freedom to mislead. Once a
 curve has been chosen it is drawn finely, smooth first and then rougher and rougher as
 long as that predicts left-out data better; and once more with both ways the same, which
-has half as much to tell.
+has half as much to tell. Few knots do not tell two places of a curve apart that come
+near each other: so the nearest rival is drawn as well.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate
-from bondgraph.diagnosis.evidence.decision import Judged
+from bondgraph.diagnosis.evidence.decision import Judged, Rule, clearly_better
 from bondgraph.diagnosis.evidence.gain import compare
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, left_out_errors
 from bondgraph.diagnosis.probing import measure_scales
+from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, fit_fully
 from bondgraph.physics.hypothesis import Hypothesis
@@ -58,6 +61,43 @@ def as_fine_as_told(bench: Bench, chosen: Judged, before: LeftOutErrors) -> Judg
     return replace(
         chosen, candidate=best.candidate, errors=errors, gain=gain, reason=reason
     )
+
+
+def finest_of(
+    bench: Bench,
+    chosen: Judged,
+    judged: Sequence[Judged],
+    before: LeftOutErrors,
+    rule: Rule,
+) -> dict[int, Judged]:
+    """Return candidates that were drawn finely by the id of what they are drawn from.
+
+    The chosen one comes first, and where that is a curve the best one at another place
+    that it does not beat clearly; the other way round where the other then predicts
+    left-out data better by more than a standard error.
+    """
+    first = {id(chosen): as_fine_as_told(bench, chosen, before)}
+    rival = _rival(chosen, judged, rule)
+    if rival is None:
+        return first
+    other = {id(rival): as_fine_as_told(bench, rival, before)}
+    lead = compare(first[id(chosen)].errors, other[id(rival)].errors)
+    return other | first if lead.value > lead.std else first | other
+
+
+def _rival(chosen: Judged, judged: Sequence[Judged], rule: Rule) -> Judged | None:
+    """Return the best curve at another place that is not clearly beaten by a curve."""
+    if chosen.physics != CURVE:
+        return None
+    near = [
+        one
+        for one in judged
+        if one.physics == CURVE
+        and one.place != chosen.place
+        and one.support is Support.SUPPORTED
+        and not clearly_better(chosen, one, rule)
+    ]
+    return max(near, key=lambda one: one.gain.value, default=None)
 
 
 class _Drawing:
