@@ -1,0 +1,60 @@
+"""A curve's nearest rival is drawn finely as well, for few knots tell few places."""
+
+import pytest
+from judged_candidates import BASE, RULE, judged
+
+from bondgraph.diagnosis.candidates import CURVE
+from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.laws import finer
+from bondgraph.diagnosis.search.laws.finer import finest_of
+
+ROUGH = judged(0.130, physics=CURVE, place="input", complexity=7)
+RIVAL = judged(0.132, physics=CURVE, place="plant", complexity=8)
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Return a function that says what curves leave once they are drawn finely."""
+
+    def drawn(**left):
+        def as_fine_as_told(bench, chosen, before):
+            share = left[chosen.place]
+            return judged(share, physics=CURVE, place=chosen.place)
+
+        monkeypatch.setattr(finer, "as_fine_as_told", as_fine_as_told)
+
+    return drawn
+
+
+def places(judged, chosen=ROUGH):
+    found = finest_of(None, chosen, judged, BASE, RULE)
+    return [one.place for one in found.values()]
+
+
+def test_the_place_is_the_one_where_a_fine_curve_predicts_better(drawn):
+    drawn(input=0.10, plant=0.01)
+    assert places([ROUGH, RIVAL]) == ["plant", "input"]
+    drawn(input=0.10, plant=0.12)
+    assert places([ROUGH, RIVAL]) == ["input", "plant"]
+
+
+def test_each_stays_told_in_place_of_what_it_was_drawn_from(drawn):
+    drawn(input=0.10, plant=0.01)
+    found = finest_of(None, ROUGH, [ROUGH, RIVAL], BASE, RULE)
+    assert found[id(ROUGH)].place == "input"
+    assert found[id(RIVAL)].place == "plant"
+
+
+def test_what_is_clearly_beaten_or_not_supported_or_there_as_well_is_no_rival(drawn):
+    drawn(input=0.10, plant=0.01)
+    worse = judged(0.5, physics=CURVE, place="plant")
+    unsure = judged(0.12, Support.UNDECIDED, physics=CURVE, place="plant")
+    other = judged(0.131, physics=CURVE, place="input")
+    named = judged(0.131, physics="drag", place="plant")
+    assert places([ROUGH, worse, unsure, other, named]) == ["input"]
+
+
+def test_a_law_with_a_name_has_no_rival_drawn(drawn):
+    drawn(input=0.10, plant=0.01)
+    law = judged(0.13, physics="drag", place="input")
+    assert places([law, RIVAL], law) == ["input"]
