@@ -1,7 +1,8 @@
 """Fits: the hypotheses that promise most, briefly on few data, then fully on all.
 
 What seems a worse law may be a fit that ended too early: what was stopped on its way
-goes on, and every candidate is refitted from its `relatives`.
+goes on, every candidate is refitted from its `relatives`, and what has run away with
+the base model is `brought_back`.
 """
 
 from collections.abc import Iterable, Sequence
@@ -11,6 +12,7 @@ import numpy as np
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate, Promised
 from bondgraph.diagnosis.search.base.steps import solver_named
+from bondgraph.diagnosis.search.laws.brought_back import brought_back
 from bondgraph.diagnosis.search.laws.relatives import related
 from bondgraph.diagnosis.search.laws.sharper import sharpened
 from bondgraph.diagnosis.search.trials.bench import Bench
@@ -88,7 +90,7 @@ def fit_best(
     starts = [one.as_start(with_states=same, finer=finer) for one in kept]
     fitted = bench.run(fit_fully, starts, "fits")
     ended = related(bench, bench.candidates(starts, fitted), hypotheses)
-    return sharpened(bench, ended)
+    return sharpened(bench, brought_back(bench, ended))
 
 
 @dataclass(frozen=True, slots=True)
