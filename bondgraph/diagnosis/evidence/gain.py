@@ -26,8 +26,8 @@ library is exact.
 EXACT = 0.001
 """But no more than this where all findings together leave next to nothing: a law that
 only mends the shape of another leaves what it does not mend. A judgement: of strangers'
-machines three second laws of so little were true and left nothing beyond noise, two
-were not and left 3 and 4 thousandths.
+machines three second laws of so little were true and left nothing beyond noise, and of
+two that left 3 and 4 thousandths one was.
 """
 
 MENDED = 0.1
