@@ -99,6 +99,17 @@ def test_a_curve_that_leads_by_its_freedom_keeps_no_law_from_being_sharpened(ben
     assert width_of(sharp) < width_of(smooth) / 5
 
 
+def test_a_wider_law_that_makes_up_for_its_edge_keeps_no_plain_one_smooth(bench):
+    (dry,) = proposed(bench, CoulombFriction())
+    trial = Trial(dry)
+    (smooth,) = bench.candidates([trial], bench.run(fit_fully, [trial], "fits"))
+    least = replace(smooth.fitted.optimum, cost=1e-6 * smooth.cost)
+    wider = replace(smooth, complexity=2, fitted=replace(smooth.fitted, optimum=least))
+    kept, sharp = sharpened(bench, [wider, smooth])
+    assert kept is wider
+    assert width_of(sharp) < width_of(smooth) / 5
+
+
 def test_what_has_no_edge_is_left_as_it_is(bench):
     (drag,) = proposed(bench, QuadraticDrag())
     assert drag.sharper(10.0) is drag

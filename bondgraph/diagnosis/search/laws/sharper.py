@@ -21,16 +21,21 @@ TELLS = 0.99
 def sharpened(bench: Bench, candidates: Sequence[Candidate]) -> list[Candidate]:
     """Return the candidates, their smooth edges sharpened as far as that tells.
 
-    The leading law goes first: where a sharper edge tells nothing of it, it is not
-    tried of the others. A curve without a name leads by its freedom, and goes last.
+    The leading law goes first, and the leading one of those with the fewest numbers:
+    a wider one may make up for an edge. Where a sharper edge tells nothing of these, it
+    is not tried of the others. A curve without a name leads by its freedom, and goes
+    last.
     """
     told = list(candidates)
     smooth = [i for i, own in enumerate(told) if own.hypothesis.smoothing]
     for times in SHARPER:
         smooth.sort(key=lambda i: (told[i].hypothesis.physics == CURVE, told[i].cost))
-        better = _tried(bench, candidates, told, smooth[:1], times)
+        plain = sorted(smooth, key=lambda i: told[i].complexity)[:1]
+        first = list(dict.fromkeys([*smooth[:1], *plain]))
+        better = _tried(bench, candidates, told, first, times)
         if better:
-            better += _tried(bench, candidates, told, smooth[1:], times)
+            others = [i for i in smooth if i not in first]
+            better += _tried(bench, candidates, told, others, times)
         smooth = better
     return told
 
