@@ -14,6 +14,7 @@ from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search import looks, one_round
 from bondgraph.diagnosis.search.base.beginnings import Known
 from bondgraph.diagnosis.search.base.runaway import run_away
+from bondgraph.diagnosis.search.laws import brought_back
 from bondgraph.diagnosis.search.looks import Look
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.diagnosis.search.trials import trying
@@ -98,7 +99,7 @@ def test_a_path_into_a_store_that_has_run_away_is_found_from_what_is_stated():
 
 
 def begun_where_fitted_only(monkeypatch):
-    for module in (trying, one_round):
+    for module in (trying, one_round, brought_back):
         monkeypatch.setattr(module, "run_away", lambda fitted, times=3.0: {})
 
 
