@@ -30,6 +30,9 @@ CONCEALED = (
     ("flegx_drive", "load_dependent_friction", "worm"),
     ("cart", "tabulated_law", "cart"),
 )
+MINUTES = 2.0
+"""The search for a case is ended after that; its answer is what was found by then."""
+
 FLOOR = 5
 """Of the six effects as many must be right."""
 
@@ -95,5 +98,5 @@ def run_reduced(folder: Path) -> Reduced:
     public, sealed, answers = (folder / name for name in ("cases", "truth", "answers"))
     for case in reduced_cases():
         make(case, public, sealed)
-    run_in_one_process(public, answers)
+    run_in_one_process(public, answers, MINUTES)
     return Reduced(tuple(score(answers, sealed)))

@@ -80,13 +80,20 @@ def run_all(
             print(line, flush=True)
 
 
-def run_in_one_process(public: Path, answers: Path) -> None:
-    """Run every case without an answer in one process, which saves the starts."""
+def run_in_one_process(public: Path, answers: Path, minutes: float) -> None:
+    """Run every case without an answer in one process, which saves the starts.
+
+    Parameters
+    ----------
+    minutes
+        After which the search for one is ended; what it has found by then stands.
+    """
+    limit = ["--workers", "1", "--time-limit", str(minutes)]
     answers.mkdir(parents=True, exist_ok=True)
     jobs = [
         {
             "folder": str(case.resolve()),
-            "arguments": [*_arguments(case, answers), "--workers", "1"],
+            "arguments": [*_arguments(case, answers), *limit],
             "record": str((answers / f"{case.name}.run.json").resolve()),
         }
         for case in sorted(path.parent for path in public.glob("*/case.json"))

@@ -18,6 +18,10 @@ from bondgraph.simulation.solvers import Hold
 
 OneRound = Callable[[Setting], Round]
 
+MATTERS = 0.8
+"""A way of inputs to behave decides between laws where it leaves less than this share.
+"""
+
 
 def held_as_found(
     setting: Setting, reached: Reached, found: Round, again: OneRound
@@ -46,11 +50,13 @@ def held_as_found(
 
 
 def _wanted(found: Round) -> Hold | None:
-    """Return how inputs behave as fits the law that leaves least; None without one."""
+    """Return how inputs behave as fits the law that leaves least; None without need."""
     if not found.judged:
         return None
     best = min((one.candidate for one in found.judged), key=lambda one: one.cost)
-    return held_as_fits(best.fitted).problem.hold
+    otherwise = held_as_fits(best.fitted)
+    matters = otherwise.optimum.cost < MATTERS * best.cost
+    return otherwise.problem.hold if matters else None
 
 
 def _left(found: Round) -> float:
