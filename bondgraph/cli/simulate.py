@@ -86,7 +86,7 @@ def command(
     graph = read_model(model, values)
     read = without_misreadings(read_recordings([recording], graph, reading))
     (bound,) = read.recordings
-    hold = settings.hold
+    hold = None
     with session.progress(loops=True) as progress:
         progress(f"simulating {bound.name}")
         if either_hold:
@@ -109,7 +109,7 @@ def command(
     session.say(_event_words(solution.events))
     for note in read.notes:
         session.say(note)
-    if either_hold and bound.input_names and solution.runs[0].state_names:
+    if hold is not None:
         session.say(hold_words(hold, [bound]))
     if solution.reason:  # of a run with accounts, where the one without them went on
         session.say(solution.reason)

@@ -34,8 +34,7 @@ def fitted_either_way(
     own = fit_model(graph, recordings, settings)
     if not own.problem.model.input_names or not own.problem.model.n_states:
         return own
-    other = Hold.ZERO if settings.hold is Hold.FIRST else Hold.FIRST
-    changed = replace(settings, hold=other)
+    changed = replace(settings, hold=settings.hold.other)
     rival = fit_model(graph, recordings, changed, sigma=own.problem.sigma)
     return rival if rival.optimum.cost < FITS_BETTER * own.optimum.cost else own
 
@@ -47,26 +46,26 @@ def held_as_fits(fitted: FittedModel) -> FittedModel:
     """
     if not fitted.problem.model.input_names or not fitted.problem.model.n_states:
         return fitted
-    other = Hold.ZERO if fitted.problem.hold is Hold.FIRST else Hold.FIRST
-    rival = simulated_as(fitted, fitted.problem.solver, other)
+    rival = simulated_as(fitted, fitted.problem.solver, fitted.problem.hold.other)
     return rival if rival.optimum.cost < FITS_BETTER * fitted.optimum.cost else fitted
 
 
 def simulated_either_way(
     graph: FinishedGraph, recording: BoundRecording, settings: FitSettings
-) -> tuple[Solution, Hold]:
+) -> tuple[Solution, Hold | None]:
     """Return the run with inputs joined by lines or held, as comes nearer, and which.
 
     Where both come as near, held if they stay the same from most samples to the next.
+    None where no input drives a state.
     """
     expected = Hold.ZERO if go_in_steps([recording]) else settings.hold
     own = simulate(graph, recording, settings=replace(settings, hold=expected))
-    if not recording.input_names:
-        return own, expected
-    other = Hold.ZERO if expected is Hold.FIRST else Hold.FIRST
-    rival = simulate(graph, recording, settings=replace(settings, hold=other))
+    if not recording.input_names or not own.runs[0].state_names:
+        return own, None
+    changed = replace(settings, hold=expected.other)
+    rival = simulate(graph, recording, settings=changed)
     ran = rival.status is SolveStatus.SUCCESSFUL
     if own.status is SolveStatus.FAILED:
-        return (rival, other) if ran else (own, expected)
+        return (rival, changed.hold) if ran else (own, expected)
     nearer = ran and rival.score.nrmse < FITS_BETTER * own.score.nrmse
-    return (rival, other) if nearer else (own, expected)
+    return (rival, changed.hold) if nearer else (own, expected)

@@ -24,6 +24,11 @@ class Hold(Enum):
     ZERO = "held"
     FIRST = "joined by straight lines"
 
+    @property
+    def other(self) -> "Hold":
+        """The other way."""
+        return Hold.ZERO if self is Hold.FIRST else Hold.FIRST
+
 
 @dataclass(frozen=True, slots=True)
 class Sdirk2:

@@ -106,7 +106,7 @@ def _searched(
             setting, reached, found = held_as_found(
                 setting, reached, found, lambda other: one_round(other, shop)
             )
-            current = reached.current
+            base, current = reached.first, reached.current
         nested = _better_without(current, found)
         if nested is not None:
             shop.progress(f"round {number}: again, from a better fit of the model")

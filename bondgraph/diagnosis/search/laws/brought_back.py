@@ -3,7 +3,7 @@
 A base model bends its numbers to what it lacks: a rope whose car rubs is fitted as one
 of a hundred times the damping. The fit of the right law begins there, where that number
 tells next to nothing, and stays. So the leading laws are fitted once more with all that
-has run away put back, and what leaves no more from there is kept.
+has run away put back, and what leaves less from there is kept.
 """
 
 from collections.abc import Sequence

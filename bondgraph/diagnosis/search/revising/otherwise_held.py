@@ -38,15 +38,21 @@ def held_as_found(
     hold = _wanted(found)
     if hold is None or hold is setting.base.problem.hold or found.cut_short:
         return setting, reached, found
-    first, current = (
-        simulated_as(model, model.problem.solver, hold)
-        for model in (reached.first, reached.current)
-    )
-    otherwise = replace(setting, base=current)
+    held = _held(reached, hold)
+    otherwise = replace(setting, base=held.current)
     other = again(otherwise)
     if not _left(other) < _left(found):
         return setting, reached, found
-    return otherwise, replace(reached, first=first, current=current), other
+    return otherwise, held, other
+
+
+def _held(reached: Reached, hold: Hold) -> Reached:
+    """Return the first model and the last with inputs that behave so, refitted."""
+    first = simulated_as(reached.first, reached.first.problem.solver, hold)
+    if reached.current is reached.first:
+        return replace(reached, first=first, current=first)
+    current = simulated_as(reached.current, reached.current.problem.solver, hold)
+    return replace(reached, first=first, current=current)
 
 
 def _wanted(found: Round) -> Hold | None:
