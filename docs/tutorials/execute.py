@@ -23,7 +23,11 @@ def executed(path: Path, folder: Path) -> NotebookNode:
     notebook = nbformat.read(path, as_version=4)
     resources = {"metadata": {"path": str(folder)}}
     client = NotebookClient(
-        notebook, timeout=TIMEOUT, kernel_name="python3", resources=resources
+        notebook,
+        timeout=TIMEOUT,
+        kernel_name="python3",
+        resources=resources,
+        coalesce_streams=True,  # A busy machine sends in two parts what is one print.
     )
     client.execute()
     return notebook
