@@ -1,17 +1,16 @@
 """Edits with split bonds, wrapped inputs and states: they print, draw and compose."""
 
 import pickle
-from itertools import product
 
 import numpy as np
 import pytest
 import sympy
 from physics_machines import MACHINES, inputs, numeric, outputs
+from proposed import PROPOSED
 
 from bondgraph import BondGraph, C, I, R, Se, derive, draw_svg, to_python
 from bondgraph.errors import StructureError
 from bondgraph.physics.dynamics import delaying, lagging
-from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
 from bondgraph.structure.edits import (
@@ -38,11 +37,9 @@ SPRING, DAMPER = C("give_spring", law=K * q), R("give_damper", law=D * f)
 def one_of_each_edit():
     """Return a hypothesis of the library for every entry and kind of edit."""
     chosen = {}
-    for name, graph in MACHINES.items():
-        for place, physics in product(all_places(graph, Scales()), LIBRARY):
-            for hypothesis in physics.propose(place):
-                key = type(physics), type(hypothesis.edit)
-                chosen.setdefault(key, (name, hypothesis))
+    for name, _, physics, hypothesis in PROPOSED:
+        key = type(physics), type(hypothesis.edit)
+        chosen.setdefault(key, (name, hypothesis))
     return list(chosen.values())
 
 

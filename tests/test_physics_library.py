@@ -7,7 +7,8 @@ from functools import cache
 import numpy as np
 import pint
 import pytest
-from physics_machines import MACHINES, outputs, scales_of
+from physics_machines import MACHINES, Array, outputs
+from proposed import PROPOSED, SCALES
 
 from bondgraph import FinishedGraph, derive
 from bondgraph.physics.hypothesis import Hypothesis
@@ -47,20 +48,16 @@ VOCABULARY = set(
 )
 """The words a diagnosis is asked for; the library has some more."""
 
-SCALES = {name: scales_of(graph) for name, graph in MACHINES.items()}
-BASE = {name: outputs(graph) for name, graph in MACHINES.items()}
-CASES = [
-    (name, place, physics, hypothesis)
-    for name, graph in MACHINES.items()
-    for place in all_places(graph, SCALES[name])
-    for physics in LIBRARY
-    for hypothesis in physics.propose(place)
-]
+
+@cache
+def base(name: str) -> Array:
+    """Return the outputs of a machine to which nothing is added."""
+    return outputs(MACHINES[name])
 
 
 @cache
 def edited(number: int) -> FinishedGraph:
-    name, _, _, hypothesis = CASES[number]
+    name, _, _, hypothesis = PROPOSED[number]
     return hypothesis.apply(MACHINES[name])
 
 
@@ -69,7 +66,7 @@ def kinds(
 ) -> pytest.MarkDecorator:
     """Run a test once for every kind of hypothesis: entry, edit, domain and size."""
     chosen = {}
-    for i, (name, place, physics, hypothesis) in enumerate(CASES):
+    for i, (name, place, physics, hypothesis) in enumerate(PROPOSED):
         kind = (
             type(physics),
             type(hypothesis.edit),
@@ -85,7 +82,7 @@ def kinds(
 
 def test_every_entry_proposes_something_and_says_what_it_is():
     for physics in LIBRARY:
-        proposed = [h for _, _, origin, h in CASES if origin is physics]
+        proposed = [h for _, _, origin, h in PROPOSED if origin is physics]
         assert proposed, type(physics).__name__
         assert {h.physics for h in proposed} == {physics.word}
         assert type(physics).__doc__
@@ -94,11 +91,11 @@ def test_every_entry_proposes_something_and_says_what_it_is():
 
 
 def test_every_word_of_the_vocabulary_is_proposed_somewhere():
-    assert {h.physics for _, _, _, h in CASES} >= VOCABULARY
+    assert {h.physics for _, _, _, h in PROPOSED} >= VOCABULARY
 
 
 def test_places_are_called_as_the_user_calls_them():
-    for name, place, _, hypothesis in CASES:
+    for name, place, _, hypothesis in PROPOSED:
         graph = MACHINES[name]
         users = {*graph.by_name, *(m.name for m in graph.measurements)}
         assert {hypothesis.place, *hypothesis.also} <= users
@@ -106,9 +103,9 @@ def test_places_are_called_as_the_user_calls_them():
         assert hypothesis.place not in hypothesis.also
 
 
-@pytest.mark.parametrize("number", range(len(CASES)))
+@pytest.mark.parametrize("number", range(len(PROPOSED)))
 def test_it_fits_into_the_graph_and_is_told_in_words(number):
-    name, _, _, hypothesis = CASES[number]
+    name, _, _, hypothesis = PROPOSED[number]
     graph, new = MACHINES[name], edited(number)
     known_names = {*new.by_name, *(m.name for m in new.measurements)}
     assert hypothesis.element in known_names
@@ -142,33 +139,33 @@ def test_it_fits_into_the_graph_and_is_told_in_words(number):
 
 @kinds()
 def test_it_starts_at_nothing(number):
-    name, _, physics, hypothesis = CASES[number]
+    name, _, physics, hypothesis = PROPOSED[number]
     # A rigid bond that gives way a little, a delay of a fraction of a sample: nearly.
     rest = hypothesis.silent_starts[0] if hypothesis.silent_starts else {}
     silent = any(rest.get(strength) == 0.0 for strength in hypothesis.strengths)
     nearly = 1e-6 if silent else 2e-2
-    size = np.abs(BASE[name]).max(axis=0)
+    size = np.abs(base(name)).max(axis=0)
     for start in hypothesis.silent_starts[:4]:
         # What lags starts from rest, and has caught up after a few samples.
-        change = np.abs(outputs(edited(number), start) - BASE[name])[5:].max(axis=0)
+        change = np.abs(outputs(edited(number), start) - base(name))[5:].max(axis=0)
         assert (change <= nearly * size).all(), type(physics).__name__
 
 
 def test_every_entry_that_is_nested_has_a_silent_start():
-    for _, _, physics, hypothesis in CASES:
+    for _, _, physics, hypothesis in PROPOSED:
         assert bool(hypothesis.silent_starts) is hypothesis.edit.nested, physics
 
 
 @kinds()
 def test_it_does_something_at_its_last_start(number):
-    name, _, _, hypothesis = CASES[number]
+    name, _, _, hypothesis = PROPOSED[number]
     start = dict(hypothesis.starts[-1])
     for parameter in hypothesis.strengths:
         start[parameter] = start[parameter] or 0.05
     if hypothesis.silent_starts and not hypothesis.strengths:
         for parameter in start:
             start[parameter] *= 1.2
-    change = np.abs(outputs(edited(number), start) - BASE[name]).max()
+    change = np.abs(outputs(edited(number), start) - base(name)).max()
     assert change > 1e-7
 
 
@@ -220,7 +217,7 @@ def test_units_of_new_parameters_fit(number):
 
     Laws with sines have angles in them, radiation a number of kelvins.
     """
-    _, place, _, hypothesis = CASES[number]
+    _, place, _, hypothesis = PROPOSED[number]
     new, domain = edited(number), place.domain
     edit = hypothesis.edit
     if isinstance(edit, SeveralEdits):
@@ -264,7 +261,7 @@ def _unit_of(element, hypothesis, domain):
 
 @kinds(lambda h: isinstance(h.edit, InsertElement))
 def test_a_second_one_at_the_same_place_gets_a_name_of_its_own(number):
-    name, _, physics, hypothesis = CASES[number]
+    name, _, physics, hypothesis = PROPOSED[number]
     graph = edited(number)
     for place in all_places(graph, SCALES[name]):
         if place.name != hypothesis.place:
@@ -277,7 +274,7 @@ def test_a_second_one_at_the_same_place_gets_a_name_of_its_own(number):
 
 def test_what_carries_signals_only_is_no_place():
     """After an edit with memory, the next round looks at the machine's places only."""
-    for number, (name, _, _, hypothesis) in enumerate(CASES):
+    for number, (name, _, _, hypothesis) in enumerate(PROPOSED):
         states = getattr(hypothesis.edit, "states", ())
         if states or isinstance(hypothesis.edit, WrapInput):
             graph = edited(number)
@@ -288,7 +285,7 @@ def test_what_carries_signals_only_is_no_place():
 
 
 def test_a_0_junction_has_no_displacement_even_where_a_c_sits():
-    for name, place, _, _ in CASES:
+    for name, place, _, _ in PROPOSED:
         if isinstance(place, ZeroJunctionPlace):
             assert not place.displacement_known, (name, place.name)
 
@@ -308,19 +305,19 @@ def test_typical_sizes_that_are_unknown_or_zero_do_not_divide_by_zero():
 def test_words_suit_the_domain():
     electrical = {
         h.physics
-        for name, place, _, h in CASES
+        for name, place, _, h in PROPOSED
         if name == "dc_drive" and place.domain.name == "electrical"
     }
     assert "voltage_drop" in electrical
     assert not electrical & {"coulomb_friction", "stribeck_friction", "overflow"}
-    thermal = {h.physics for name, _, _, h in CASES if name == "heaters"}
+    thermal = {h.physics for name, _, _, h in PROPOSED if name == "heaters"}
     assert {"radiation", "leak", "lag"} <= thermal
     assert not thermal & {"coulomb_friction", "square_root_orifice", "voltage_drop"}
 
 
 def test_every_kind_of_hypothesis_can_be_solved_for():
     """Causality and equations: no conflict, no law that cannot be inverted."""
-    for number in range(0, len(CASES), 8):
+    for number in range(0, len(PROPOSED), 8):
         equations = derive(edited(number))
         assert len(equations.states) == len(equations.rates)
 
@@ -344,7 +341,7 @@ def test_only_of_a_coil_it_is_said_that_it_warms():
     # A filter that clogs changes alike, and no temperature is seen.
     said = {
         (place.domain.name == "electrical", h.words.endswith("as it warms"))
-        for _, place, physics, h in CASES
+        for _, place, physics, h in PROPOSED
         if isinstance(physics, TemperatureDependentResistance)
         and place.domain.name != "thermal"
     }

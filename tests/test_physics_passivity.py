@@ -7,11 +7,11 @@ their bounds: by numpy, from the law alone.
 import numpy as np
 import pytest
 import sympy
-from physics_machines import MACHINES, scales_of
+from physics_machines import MACHINES
+from proposed import PROPOSED
 
 from bondgraph.physics.hypothesis import Passivity
 from bondgraph.physics.library import LIBRARY
-from bondgraph.physics.places.everywhere import all_places
 from bondgraph.structure.domains import THERMAL
 from bondgraph.structure.edits import InsertElement, LoosenBond, SeveralEdits
 from bondgraph.structure.elements import (
@@ -25,21 +25,16 @@ from bondgraph.structure.signals import Signal, displacement, e, f, flow, q
 SAMPLES, FINE = 4000, 160_000
 """Of a motion; finer for what goes up and down hundreds of times on its way."""
 
-SCALES = {name: scales_of(graph) for name, graph in MACHINES.items()}
-
 
 def cases(*passivities):
     """Return inserted elements with these passivities, one per entry and law."""
     found = {}
-    for name, graph in MACHINES.items():
-        for place in all_places(graph, SCALES[name]):
-            if place.domain is THERMAL:
-                continue  # a pseudo bond graph: e f is no power
-            for physics in (x for x in LIBRARY if x.passivity in passivities):
-                for hypothesis in physics.propose(place):
-                    key = type(physics), len(hypothesis.parameters), place.domain
-                    size = getattr(place, "displacement", 1.0)
-                    found.setdefault(key, (name, hypothesis, size))
+    for name, place, physics, hypothesis in PROPOSED:
+        # A thermal graph is a pseudo bond graph: e f is no power.
+        if physics.passivity in passivities and place.domain is not THERMAL:
+            key = type(physics), len(hypothesis.parameters), place.domain
+            size = getattr(place, "displacement", 1.0)
+            found.setdefault(key, (name, hypothesis, size))
     return [
         pytest.param(*case, id=f"{case[0]}-{case[1].element}")
         for case in found.values()

@@ -1,5 +1,6 @@
 """``bondgraph derive``: what follows from the graph alone."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import click
@@ -18,6 +19,7 @@ from bondgraph.equations.power.port_hamiltonian import PortHamiltonian, port_ham
 from bondgraph.equations.rendering import SHORT, as_latex, as_text
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.equations.transfer.descriptor import DescriptorSystem, descriptor
+from bondgraph.equations.transfer.linearity import is_linear
 from bondgraph.equations.transfer.sensitivities import sensitivities
 from bondgraph.equations.transfer.transfer_function import TransferFunction
 from bondgraph.errors import BondGraphError, EquationError, ParameterError
@@ -102,7 +104,7 @@ def command(
         session.say("\n".join(_causality_lines(causality, reasons=reasons)))
         session.say(as_text(equations))
         session.say()
-        session.say("transfer functions" if transfers else _NO_TRANSFERS)
+        session.say(_transfer_title(equations, transfers, at))
         for transfer in transfers:
             session.say("\n".join(_transfer_lines(transfer, numbers)))
             if show_sensitivities and isinstance(transfer, TransferFunction):
@@ -192,6 +194,21 @@ def _causality_lines(causality: CausalAssignment, *, reasons: bool) -> list[str]
     return [*lines, ""]
 
 
+def _transfer_title(
+    equations: StateEquations,
+    transfers: Sequence[TransferFunction | BondGraphError],
+    at: Sequence[str],
+) -> str:
+    """Return what stands above the transfer functions: about which point they hold."""
+    if not transfers:
+        return _NO_TRANSFERS
+    title = "transfer functions (gain: the ratio of the leading coefficients)"
+    if is_linear(equations):
+        return title
+    about = f"{', '.join(at)} and all else 0" if at else "all states and inputs 0"
+    return f"{title}\n  linear about {about}; --at NAME=VALUE moves that"
+
+
 def _transfer_lines(
     transfer: TransferFunction | BondGraphError, numbers: Mapping[str, float]
 ) -> list[str]:
@@ -199,7 +216,9 @@ def _transfer_lines(
         return [f"  {transfer}"]
     lines = [f"  {transfer}"]
     if has_numbers(transfer, numbers):
-        lines.append(f"    gain  {transfer.gain_at(numbers):.6g}")
+        at_rest = transfer.dc_gain_at(numbers)
+        slowly = f", and {at_rest:.6g} at s = 0" if math.isfinite(at_rest) else ""
+        lines.append(f"    gain  {transfer.gain_at(numbers):.6g}{slowly}")
         lines += [
             f"    {kind} {', '.join(map(_complex, points))}"
             for kind, points in (

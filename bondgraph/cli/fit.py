@@ -12,7 +12,7 @@ from bondgraph.cli.fit_answer import (
     known,
     profile_words,
 )
-from bondgraph.cli.fit_options import estimation_options, fit_options
+from bondgraph.cli.fit_options import estimation_options, fit_options, substeps_option
 from bondgraph.cli.inputs import (
     model_argument,
     read_model,
@@ -63,6 +63,7 @@ from bondgraph.reporting.tables import INTERVAL, estimates_table
     help="How far this parameter can move while the others follow; may be repeated.",
 )
 @fit_options(window="auto")
+@substeps_option
 @estimation_options
 @recording_options
 @json_option

@@ -80,8 +80,12 @@ def hold_words(hold: Hold, recordings: Sequence[BoundRecording]) -> str:
     """Return what inputs were taken to do between samples, and why."""
     held = hold is Hold.ZERO
     option = "--hold zero" if held else "--hold first"
-    alike = "as commands in steps are" if held else "as readings are"
-    why = alike if held is go_in_steps(recordings) else "since that fits better"
+    alike = (
+        "for from most samples to the next they stay the same"
+        if held
+        else "for they change from sample to sample"
+    )
+    why = alike if held is go_in_steps(recordings) else "for that fits better"
     return f"Inputs are taken to be {hold.value} between samples, {why} ({option})."
 
 

@@ -17,7 +17,7 @@ from bondgraph.fitting.horizon import Automatic, Horizon, Seconds, WholeRecordin
 from bondgraph.fitting.loss import Huber, Loss, SquaredError, StudentT
 from bondgraph.fitting.noise import AutoregressiveNoise, Noise, WhiteNoise
 from bondgraph.fitting.starts import ManyStarts, OneStart
-from bondgraph.simulation.solvers import Hold
+from bondgraph.simulation.solvers import Hold, Sdirk2
 
 F = TypeVar("F", bound=Callable[..., Any])
 _LOSSES: dict[str, Loss] = {
@@ -80,6 +80,25 @@ def fit_options(*, window: str) -> Callable[[F], F]:
         )(with_hold)
 
     return add
+
+
+def substeps_option(command: F) -> F:
+    """Add ``--substeps`` to the ``settings``; it goes below `fit_options`."""
+
+    @wraps(command)
+    def with_substeps(
+        *args: Any, settings: FitSettings, substeps: int, **options: Any
+    ) -> Any:
+        finer = replace(settings, solver=Sdirk2(substeps))
+        return command(*args, settings=finer, **options)
+
+    return click.option(  # type: ignore[return-value]
+        "--substeps",
+        type=WholeNumber(min=1),
+        default=1,
+        show_default=True,
+        help="Steps of the solver between two samples.",
+    )(with_substeps)
 
 
 def estimation_options(command: F) -> F:

@@ -11,7 +11,7 @@ import numpy as np
 
 from bondgraph.cli.command import Command, json_option
 from bondgraph.cli.fit_answer import hold_words
-from bondgraph.cli.fit_options import fit_options
+from bondgraph.cli.fit_options import fit_options, substeps_option
 from bondgraph.cli.inputs import (
     model_argument,
     read_model,
@@ -62,6 +62,7 @@ LISTED_EVENTS = 8
     help="Write measured and simulated.",
 )
 @fit_options(window="whole")
+@substeps_option
 @recording_options
 @json_option
 @click.pass_obj
@@ -103,8 +104,11 @@ def command(
     for line in _errors(solution):
         session.say(line)
     spread = "the standard deviation of what was measured"
-    session.say(f"That is {relative_error(solution.score, spread)}.")
-    if any(domain is not THERMAL for domain in graph.domains):
+    together = "Together that" if len(solution.output_names) > 1 else "That"
+    session.say(f"{together} is {relative_error(solution.score, spread)}.")
+    # The pseudo bonds of the thermal domain carry no power.
+    thermal = all(domain is THERMAL for domain in graph.domains)
+    if solution.audit.has_flowed and not thermal:
         session.say(_energy_words(solution.audit))
     session.say(_event_words(solution.events))
     for note in read.notes:

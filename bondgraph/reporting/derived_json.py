@@ -1,5 +1,6 @@
 """Everything that follows from a graph alone, as plain data for JSON."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -101,14 +102,20 @@ def plain_transfer(
         "numerator": [str(c) for c in transfer.numerator_coefficients],
         "denominator": [str(c) for c in transfer.denominator_coefficients],
         "gain": None,
+        "dc_gain": None,
         "poles": None,
         "zeros": None,
     }
     if has_numbers(transfer, numbers):
         plain["gain"] = transfer.gain_at(numbers)
+        plain["dc_gain"] = _finite(transfer.dc_gain_at(numbers))
         plain["poles"] = _pairs(transfer.poles(numbers))
         plain["zeros"] = _pairs(transfer.zeros(numbers))
     return plain
+
+
+def _finite(number: float) -> float | None:
+    return number if math.isfinite(number) else None
 
 
 def _pairs(points: Sequence[complex]) -> list[list[float]]:

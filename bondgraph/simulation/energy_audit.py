@@ -33,6 +33,11 @@ class EnergyAudit:
     relative: float
     exchanged: float = 0.0
 
+    @property
+    def has_flowed(self) -> bool:
+        """Whether there is anything to account for."""
+        return any((self.stored, self.dissipated, self.supplied, self.exchanged))
+
 
 def audit_of(accounts: Array, stored: Array, *, closed: bool) -> EnergyAudit:
     """Return the audit of a run.

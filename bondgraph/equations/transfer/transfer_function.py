@@ -123,6 +123,15 @@ class TransferFunction:
         (gain,) = self._at((self.gain,), values)
         return float(gain)
 
+    def dc_gain_at(self, values: Mapping[str, float]) -> float:
+        """Return the value at s = 0 at these parameter values; inf with a pole there.
+
+        By the last coefficients as numbers: symbols may cancel only there.
+        """
+        ends = self.numerator_coefficients[-1], self.denominator_coefficients[-1]
+        top, bottom = self._at(ends, values)
+        return float(top / bottom) if bottom else float("inf")
+
     def coefficients(
         self, values: Mapping[str, float]
     ) -> tuple[tuple[float, ...], tuple[float, ...]]:

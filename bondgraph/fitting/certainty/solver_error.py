@@ -29,8 +29,8 @@ class SolverErrorStatus(StrEnum):
     FINE = "The time step is fine enough: half of it would not move the estimates."
     COARSE = (
         "The time step is too coarse: half of it would move an estimate by more than "
-        "half its standard deviation. Smoother laws need fewer steps; in Python, "
-        "FitSettings(solver=...) takes a solver with more substeps."
+        "half its standard deviation. Smoother laws need fewer steps; more are taken "
+        "with --substeps 4 or, in Python, FitSettings(solver=Sdirk2(4))."
     )
     UNKNOWN = "The error of the time step is not known: half the step failed."
 
