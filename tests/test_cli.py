@@ -202,7 +202,7 @@ def test_simulate_compares_the_model_with_a_recording(model, recording, tmp_path
     )
 
 
-@pytest.mark.parametrize(("held", "why"), [(20, "they stay the same"), (1, "fits better")])
+@pytest.mark.parametrize(("held", "why"), [(20, "stay the same"), (1, "fits better")])
 def test_simulate_tells_held_inputs_also_where_they_always_change(
     model, tmp_path, held, why
 ):
