@@ -523,3 +523,18 @@ def test_shares_are_those_of_resampled_chunks():
     # The first loses all but where it is drawn more often: P(n1 > n2) = 10/27.
     handicapped = winning_shares([first, second], [1.0 + 1e-9, 1.0])
     np.testing.assert_allclose(handicapped, [10 / 27, 17 / 27], atol=0.03)
+
+
+@pytest.mark.parametrize(
+    ("left", "told"), [(0.0002, "coulomb_friction"), (0.0010, "directed_friction")]
+)
+def test_a_wider_law_is_not_told_for_a_shade(left, told):
+    # An offset of a hundredth of dry friction is there, far above the noise.
+    plain = judged(left + 0.0024 if left < 0.001 else 0.0060, noise=0.0)
+    plain = replace(plain, candidate=candidate("coulomb_friction"))
+    wide = judged(left, noise=0.0)
+    kind = {"complexity": 2, "extends": ("coulomb_friction",)}
+    wide = replace(wide, candidate=candidate("directed_friction", **kind))
+    assert best_supported([wide, plain], RULE).physics == told
+    elsewhere = replace(wide, candidate=candidate("directed_friction", "rim", **kind))
+    assert best_supported([elsewhere, plain], RULE) is elsewhere

@@ -19,7 +19,10 @@ RNG = np.random.default_rng(2)
 def judged(first, second, share):
     """Return a pair that leaves a share of some error; it has no other fit."""
     errors = LeftOutErrors(share * (1.0 + 0.1 * RNG.random((1, 24))))
-    return JudgedPair(Pair(first, second, None), SimpleNamespace(errors=errors))
+    law = SimpleNamespace(hypothesis=SimpleNamespace(extends=()), complexity=2)
+    told = {"place": second.name, "physics": second.name, "candidate": law}
+    whole = SimpleNamespace(errors=errors, **told)
+    return JudgedPair(Pair(first, second, None), whole)
 
 
 def named(found):

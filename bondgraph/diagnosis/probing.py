@@ -13,6 +13,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.ringing import ringing
 from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.state_equations import State
 from bondgraph.fitting.estimate import FittedModel, pose, prepare
@@ -161,6 +162,7 @@ def measure_scales(fitted: FittedModel) -> Scales:
         ),
         fitted=fitted.values,
         least={} if interval else _least(known),
+        ringing=ringing(fitted),
     )
 
 

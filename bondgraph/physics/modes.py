@@ -57,7 +57,13 @@ class FlexibleMode(AbstractPhysics):
 
 
 def _rates(place: OneJunctionPlace) -> tuple[float, ...]:
-    """Return frequencies that the recording can show, evenly in their logarithm."""
+    """Return frequencies that the recording can show, evenly in their logarithm.
+
+    Of these the nearest gives way to each at which something rings.
+    """
     slow = 2.0 * math.pi * 3.0 / place.scales.stretch
     fast = max(0.3 * math.pi / place.scales.step, 2.0 * slow)
-    return tuple(slow * (fast / slow) ** ((i + 0.5) / RATES) for i in range(RATES))
+    rates = [slow * (fast / slow) ** ((i + 0.5) / RATES) for i in range(RATES)]
+    for rings in place.scales.ringing:
+        rates.remove(min(rates, key=lambda rate: abs(math.log(rate / rings))))
+    return (*place.scales.ringing, *rates)

@@ -18,6 +18,10 @@ from bondgraph.physics.library import LIBRARY
 ALIKE = 0.02
 BENT = 0.25
 """Of what a law leaves beyond the noise, so much it may owe to bending towards it."""
+SHADE = 0.0025
+"""A wider law that takes away no more than this share beyond the narrower one at the
+same place (5 % of its size) is a shade of that, as any offset is: a judgement.
+"""
 NEARLY_AS_GOOD = "hardly less than a supported law with more parameters"
 NAMED_SHARE = 0.8
 """A named law must give this share of what a free curve gives, or the curve is told."""
@@ -216,12 +220,21 @@ def clearly_better(better: Judged, worse: Judged, rule: Rule) -> bool:
 
     Half the materiality of a finding separates two findings. And what even the better
     one leaves is physics that is still missing: a law with a freedom that suits it
-    leads without being the cause, so that the lead must be large beside it.
+    leads without being the cause, so that the lead must be large beside it. A wider law
+    is not better for a shade; what else makes that is looked for beside the narrower.
     """
-    if better is worse:
+    if better is worse or _is_a_shade_of(better, worse):
         return False
     difference = compare(worse.errors, better.errors)
     return difference.value > _lead(difference, better.errors, worse.errors, rule)
+
+
+def _is_a_shade_of(wider: Judged, narrower: Judged) -> bool:
+    """Return whether a law contains another and takes away next to nothing more."""
+    if wider.place != narrower.place or not _extends(wider, narrower):
+        return False
+    more = wider.gain.value - narrower.gain.value
+    return 0.0 <= more <= SHADE * narrower.gain.value
 
 
 def _lead(

@@ -46,6 +46,9 @@ Rounding of a command adds up on a machine that integrates, and looks like a dea
 AS_WINDOWS = 1.3
 """What whole recordings are left with, over what windows are: more is a disturbance."""
 
+HURRIED = 15
+"""Iterations of the last fit where the time for the search has passed already."""
+
 
 @dataclass(frozen=True, slots=True)
 class Look:
@@ -86,7 +89,12 @@ def look(
     if rounds[-1].base is base:
         return Look(rounds, base)
     shop.progress("refitting the improved model")
-    final, limit = sharpened(rounds[-1].base, recordings, options), shop.limit
+    limit = shop.limit
+    settings = options.settings
+    if limit.passed:
+        settings = replace(settings, iterations=min(HURRIED, settings.iterations))
+    hurried = replace(options, settings=settings)
+    final = sharpened(rounds[-1].base, recordings, hurried)
     if not limit.passed:
         # What a law adds is told from nothing by numbers that steps do not bend.
         final = told_finely(final)

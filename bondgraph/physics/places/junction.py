@@ -14,6 +14,7 @@ from bondgraph.structure.elements import (
     Compliance,
     EffortSource,
     FlowSource,
+    Inertance,
     Node,
     OneJunction,
     OnePort,
@@ -96,8 +97,19 @@ class JunctionPlace(Place):
 
     @property
     def momentum(self) -> float:
-        """Typical momentum; where not known, that of an effort over a second."""
-        return self.scales.at(P, self.name, self.effort)
+        """Typical momentum: of the linear inertias here, or of an effort for a while.
+
+        That is amid the times that a recording shows, as all of them are evenly.
+        """
+        inertia = sum(
+            self.scales.fitted.get(node.name)
+            or self.graph.parameters[node.name].value
+            or 0.0
+            for node in self.neighbours
+            if isinstance(node, Inertance) and is_linear(node)
+        )
+        pushed = self.effort * math.sqrt(self.scales.step * self.scales.stretch)
+        return self.scales.at(P, self.name, abs(inertia) * self.flow or pushed)
 
     @property
     def displacement(self) -> float:

@@ -28,6 +28,8 @@ class Scales:
     least
         Least size other than zero, by the same names, in the rows of a steady table;
         empty where there is motion between samples.
+    ringing
+        Frequencies at which what a fit has left rings, in rad/s, the clearest first.
     """
 
     sizes: Mapping[str, float] = field(default_factory=dict)
@@ -36,6 +38,7 @@ class Scales:
     duration: float = 0.0
     fitted: Mapping[str, float] = field(default_factory=dict)
     least: Mapping[str, float] = field(default_factory=dict)
+    ringing: tuple[float, ...] = ()
 
     def at(self, quantity: Quantity, place: str, default: float = 1.0) -> float:
         """Return the size of `quantity` at `place`, or `default` where unknown or 0."""

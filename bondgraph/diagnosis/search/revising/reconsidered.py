@@ -3,7 +3,8 @@
 A law that explained little when it was chosen was the one that lay nearest to what all
 that was missing showed together. Once the rest has been found, a round is made without
 it: what that chooses takes its place, where the model fits as well. The same law, if
-chosen again, is as probable as it is there, where nothing found since hides it.
+chosen again, is as probable as it is there, where nothing found since hides it. So is a
+choice made again that was made beside a law that has been taken out since.
 """
 
 from collections.abc import Sequence
@@ -44,9 +45,12 @@ def reconsidered(
     last was chosen beside all others already.
     """
     kept = list(rounds)
-    for found in accepted(rounds)[:-1]:
+    stayed = accepted(rounds)
+    for found in stayed:
         chosen = found.chosen
-        if shop.limit.passed or chosen is None or not _in_doubt(found):
+        last = found is stayed[-1]
+        doubtful = (_in_doubt(found) and not last) or _beside_wrong(rounds, found)
+        if shop.limit.passed or chosen is None or not doubtful:
             continue
         shop.progress(f"choosing again at {chosen.place}, beside what was found since")
         again = _again(kept, found, recordings, noise, options, shop)
@@ -61,6 +65,17 @@ def _in_doubt(found: Round) -> bool:
     assert found.chosen is not None
     unsure = found.probability is not None and found.probability < UNSURE
     return unsure or found.chosen.gain.value < LITTLE
+
+
+def _beside_wrong(rounds: Sequence[Round], found: Round) -> bool:
+    """Return whether a round chose beside a law that is not there any more."""
+    at = next(i for i, one in enumerate(rounds) if one is found)
+    earlier = {id(one.hypothesis) for one in chosen_in(rounds[:at])}
+    # What took another's place was judged as that was, beside all else.
+    own = () if found.without is not None else found.removed
+    later = [law for one in rounds[at + 1 :] for law in one.removed]
+    taken_out = {id(law) for law in (*own, *later)}
+    return bool(earlier & taken_out)
 
 
 def _again(
