@@ -1,7 +1,7 @@
 """A curve's nearest rival is drawn finely as well, for few knots tell few places."""
 
 import pytest
-from judged_candidates import BASE, RULE, judged
+from judged_candidates import BASE, judged
 
 from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.records import Support
@@ -27,7 +27,7 @@ def drawn(monkeypatch):
 
 
 def places(judged, chosen=ROUGH):
-    found = finest_of(None, chosen, judged, BASE, RULE)
+    found = finest_of(None, chosen, judged, BASE)
     return [one.place for one in found.values()]
 
 
@@ -40,14 +40,14 @@ def test_the_place_is_the_one_where_a_fine_curve_predicts_better(drawn):
 
 def test_each_stays_told_in_place_of_what_it_was_drawn_from(drawn):
     drawn(input=0.10, plant=0.01)
-    found = finest_of(None, ROUGH, [ROUGH, RIVAL], BASE, RULE)
+    found = finest_of(None, ROUGH, [ROUGH, RIVAL], BASE)
     assert found[id(ROUGH)].place == "input"
     assert found[id(RIVAL)].place == "plant"
 
 
-def test_what_is_clearly_beaten_or_not_supported_or_there_as_well_is_no_rival(drawn):
+def test_what_is_far_behind_or_not_supported_or_there_as_well_is_no_rival(drawn):
     drawn(input=0.10, plant=0.01)
-    worse = judged(0.5, physics=CURVE, place="plant")
+    worse = judged(0.6, physics=CURVE, place="plant")
     unsure = judged(0.12, Support.UNDECIDED, physics=CURVE, place="plant")
     other = judged(0.131, physics=CURVE, place="input")
     named = judged(0.131, physics="drag", place="plant")

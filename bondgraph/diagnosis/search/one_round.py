@@ -95,7 +95,7 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
     )
     drawn: dict[int, Judged] = {}
     if chosen is not None and verdicts.before is not None:
-        drawn = finest_of(bench, chosen, judged, verdicts.before, options.rule)
+        drawn = finest_of(bench, chosen, judged, verdicts.before)
         chosen = next(iter(drawn.values()))
     kept = [drawn.get(id(j), j) for j in judged]
     return Round(

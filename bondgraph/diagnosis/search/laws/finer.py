@@ -3,8 +3,9 @@
 Few knots are enough to find the place, and leave little freedom to mislead. Once a
 curve has been chosen it is drawn finely, smooth first and then rougher and rougher as
 long as that predicts left-out data better; and once more with both ways the same, which
-has half as much to tell. Few knots do not tell two places of a curve apart that come
-near each other: so the nearest rival is drawn as well.
+has half as much to tell. Few knots do not follow a narrow hump; of what only goes along
+with its variable a curve may do better then. So the nearest rival at another place is
+drawn as well.
 """
 
 from collections.abc import Sequence
@@ -13,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate
-from bondgraph.diagnosis.evidence.decision import Judged, Rule, clearly_better
+from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.evidence.gain import compare
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, left_out_errors
 from bondgraph.diagnosis.probing import measure_scales
@@ -27,6 +28,9 @@ from bondgraph.physics.unknown import BOTH_WAYS, UnknownRelation
 
 PIECES = 8
 """Into how many each stretch of the first curve is divided."""
+
+NEAR = 0.5
+"""A rival that takes away this share of what the chosen curve does is drawn finely."""
 
 ROUGHNESS = (1.0, 3.0, 10.0, 30.0, 100.0)
 """How rough a curve may be, in heights per range, one after the other."""
@@ -68,16 +72,15 @@ def finest_of(
     chosen: Judged,
     judged: Sequence[Judged],
     before: LeftOutErrors,
-    rule: Rule,
 ) -> dict[int, Judged]:
     """Return candidates that were drawn finely by the id of what they are drawn from.
 
     The chosen one comes first, and where that is a curve the best one at another place
-    that it does not beat clearly; the other way round where the other then predicts
-    left-out data better by more than a standard error.
+    that comes near it; the other way round where the other then predicts left-out data
+    better by more than a standard error.
     """
     first = {id(chosen): as_fine_as_told(bench, chosen, before)}
-    rival = _rival(chosen, judged, rule)
+    rival = _rival(chosen, judged)
     if rival is None:
         return first
     other = {id(rival): as_fine_as_told(bench, rival, before)}
@@ -85,8 +88,8 @@ def finest_of(
     return other | first if lead.value > lead.std else first | other
 
 
-def _rival(chosen: Judged, judged: Sequence[Judged], rule: Rule) -> Judged | None:
-    """Return the best curve at another place that is not clearly beaten by a curve."""
+def _rival(chosen: Judged, judged: Sequence[Judged]) -> Judged | None:
+    """Return the best curve at another place that comes near the chosen one."""
     if chosen.physics != CURVE:
         return None
     near = [
@@ -95,7 +98,7 @@ def _rival(chosen: Judged, judged: Sequence[Judged], rule: Rule) -> Judged | Non
         if one.physics == CURVE
         and one.place != chosen.place
         and one.support is Support.SUPPORTED
-        and not clearly_better(chosen, one, rule)
+        and one.gain.value >= NEAR * chosen.gain.value
     ]
     return max(near, key=lambda one: one.gain.value, default=None)
 

@@ -53,12 +53,15 @@ def _undetermined(candidate: Candidate) -> int:
     """Return how many directions nothing determines, own strengths left aside.
 
     A free curve may share its slope with a law that is there already: what counts is
-    what both give together.
+    what both give together, though it may have taken all and left the other nothing.
     """
     problem, hypothesis = candidate.fitted.problem, candidate.hypothesis
-    names = problem.free_names
+    names, optimum = problem.free_names, candidate.fitted.optimum
     own = np.isin(names, hypothesis.strengths)
-    others = np.abs(uncertainty(problem, candidate.fitted.optimum).null)
+    others = np.abs(uncertainty(problem, optimum).null)
+    if hypothesis.physics == CURVE:
+        none = optimum.theta <= LEAST * problem.low[problem.free]
+        own |= none & (problem.low[problem.free] >= 0.0)
     alone = others[:, own].max(axis=1, initial=0.0) <= TRACE
     mixed = others[:, ~own].max(axis=1, initial=0.0) > TRACE
     return int((alone if hypothesis.physics == CURVE else mixed).sum())

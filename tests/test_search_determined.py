@@ -1,0 +1,66 @@
+"""What a law adds has to be determined; what a curve leaves nothing of need not be."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from bondgraph.diagnosis.candidates import CURVE
+from bondgraph.diagnosis.search.trials import determined as module
+from bondgraph.diagnosis.search.trials.determined import REASON, determined
+
+NAMES = ("bearing", "drag", "height")
+LOW = np.array([1e-6, 0.0, -np.inf])
+
+
+def fitted(null, bearing):
+    """Return a fit of a bearing, a drag and a law's height; `null` tells nothing."""
+    problem = SimpleNamespace(
+        free_names=NAMES,
+        free=np.arange(3),
+        low=LOW,
+        model=SimpleNamespace(parameter_names=NAMES),
+    )
+    units = {name: SimpleNamespace(unit="1") for name in NAMES}
+    return SimpleNamespace(
+        problem=problem,
+        optimum=SimpleNamespace(theta=np.array([bearing, 8e-5, 0.3]), null=null),
+        graph=SimpleNamespace(parameters=units),
+    )
+
+
+@pytest.fixture
+def told(monkeypatch):
+    """Return a function that says why a law is left aside, if it is."""
+    monkeypatch.setattr(
+        module,
+        "uncertainty",
+        lambda _, optimum: SimpleNamespace(
+            null=np.array(optimum.null, dtype=float).reshape(-1, 3), std=np.ones(3)
+        ),
+    )
+
+    def told(physics, null, bearing):
+        law = SimpleNamespace(
+            physics=physics, strengths=("height",), parameters=("height",)
+        )
+        candidate = SimpleNamespace(hypothesis=law, fitted=fitted([null], bearing))
+        kept, others = determined(fitted([], bearing), [candidate])
+        assert len(kept) + len(others) == 1
+        return others[0].reason if others else None
+
+    return told
+
+
+def test_what_is_at_its_least_beside_a_curve_need_not_be_told(told):
+    assert told(CURVE, (1.0, 0.0, 0.0), bearing=1e-6) is None
+    assert told("drag", (1.0, 0.0, 0.0), bearing=1e-6) == REASON
+
+
+def test_what_is_there_and_is_not_told_beside_a_curve_is_held_against_it(told):
+    assert told(CURVE, (1.0, 0.0, 0.0), bearing=1e-3) == REASON
+
+
+def test_a_curve_may_share_with_what_is_there(told):
+    assert told(CURVE, (0.7, 0.0, 0.7), bearing=1e-3) is None
+    assert told("drag", (0.7, 0.0, 0.7), bearing=1e-3) == REASON
