@@ -8,7 +8,7 @@ import sympy
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Place
 from bondgraph.physics.places.channels import InputPlace
-from bondgraph.physics.slips import SLIPS, own_values
+from bondgraph.physics.slips import FACTORS, SLIPS, own_values
 from bondgraph.structure.domains import ANALOGUE
 from bondgraph.structure.edits import SignalState
 from bondgraph.structure.signals import displacement
@@ -26,7 +26,7 @@ class InputScale(AbstractPhysics):
         """Yield it for every input."""
         if not isinstance(place, InputPlace):
             return
-        scale = place.shape("input_scale", "1", (1.0,))
+        scale = place.shape("input_scale", "1", FACTORS)
         law = scale.symbol * place.signal
         words = f"{place.name} acts in another proportion than commanded"
         yield self.hypothesis(place, place.become(law, scale), law, (scale,), words)

@@ -8,7 +8,7 @@ import sympy
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Place, Q
 from bondgraph.physics.places.channels import OutputPlace
-from bondgraph.physics.slips import SLIPS, own_values
+from bondgraph.physics.slips import FACTORS, SLIPS, own_values
 from bondgraph.structure.elements import Compliance
 from bondgraph.structure.nodes import written_laws
 from bondgraph.structure.signals import Signal, parameters_in, signals_in
@@ -26,7 +26,7 @@ class SensorScale(AbstractPhysics):
         """Yield it for outputs without a fitted factor of their own."""
         if not isinstance(place, OutputPlace) or _has_free(place, factor=True):
             return
-        scale = place.shape("sensor_scale", "1", (1.0,))
+        scale = place.shape("sensor_scale", "1", FACTORS)
         law = scale.symbol * place.signal
         words = f"{place.name} reads in another proportion than what is there"
         yield self.hypothesis(place, place.become(law, scale), law, (scale,), words)

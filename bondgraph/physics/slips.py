@@ -15,6 +15,11 @@ SLIPS = {
 }
 """Factors between what is there and what was recorded: wrong at one stroke."""
 
+FACTORS = (1.0, 1.6, 0.6)
+"""Where the fit of a gain begins: at none, and on either side. All other numbers may
+have bent to a gain that is not there, and one fit does not find back from that.
+"""
+
 
 def own_values(place: Place) -> Mapping[str, float]:
     """Return the user's values of what is fitted without knowledge."""
