@@ -277,5 +277,5 @@ def test_an_error_is_not_relative_to_a_channel_that_never_changes(value):
     neither = text([[*row[:2], value, value] for row in table()], header)
     result = simulated(neither, "--json", "run.json")
     assert result.exit_code == 0, result.output
-    assert "That is no share of the standard deviation of what" in result.stdout
+    assert "Together that is no share of the standard deviation" in result.stdout
     assert json.loads(Path("run.json").read_text())["nrmse"] is None
