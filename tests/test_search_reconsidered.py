@@ -101,3 +101,32 @@ def test_another_law_that_fits_less_well_does_not_take_the_place(
 def test_what_explained_much_is_not_asked_again(choose_again):
     rounds, _ = searched(SpeedLimit(), gain=LITTLE)
     assert choose_again(rounds) == rounds
+
+
+def standing_in():
+    """Return rounds of drag, a limit that stood in for friction, and friction."""
+    (first, second, last), drag = searched(QuadraticDrag(), gain=0.5)
+    limit = proposed(first.base, SpeedLimit())
+    stood_in = judged_beside(
+        second.base, limit, added(first.base, second.base, [drag, limit])
+    )
+    unsure = replace(second, probability=0.01)
+    return first, Round(second.base, chosen=stood_in), unsure, last
+
+
+def test_a_choice_beside_a_law_that_was_taken_out_with_it_is_made_again(choose_again):
+    first, beside, unsure, last = standing_in()
+    assert choose_again([first, unsure, last]) == [first, unsure, last]
+    taken = replace(unsure, removed=(beside.chosen.candidate.hypothesis,))
+    *_, again, _ = choose_again([first, beside, taken, last])
+    assert again.chosen.physics == "coulomb_friction"
+    assert again.removed == (unsure.chosen.candidate.hypothesis,)
+    assert again.probability > unsure.probability
+
+
+def test_what_takes_the_place_of_another_was_judged_in_its_place(choose_again):
+    first, beside, unsure, last = standing_in()
+    law = beside.chosen.candidate.hypothesis
+    instead = replace(unsure, removed=(law,), without=1.0)
+    rounds = [first, beside, instead, last]
+    assert choose_again(rounds) == rounds

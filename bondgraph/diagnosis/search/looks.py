@@ -90,16 +90,19 @@ def look(
         return Look(rounds, base)
     shop.progress("refitting the improved model")
     limit = shop.limit
-    settings = options.settings
-    if limit.passed:
-        settings = replace(settings, iterations=min(HURRIED, settings.iterations))
-    hurried = replace(options, settings=settings)
-    final = sharpened(rounds[-1].base, recordings, hurried)
+    last = _hurried(options) if limit.passed else options
+    final = sharpened(rounds[-1].base, recordings, last)
     if not limit.passed:
         # What a law adds is told from nothing by numbers that steps do not bend.
         final = told_finely(final)
     rounds, final = without_needless_parts(rounds, final, recordings, options, limit)
     return Look(*without_hollow(rounds, final, recordings, options, limit))
+
+
+def _hurried(options: Options) -> Options:
+    """Return the options of a fit for which there is hardly time."""
+    most = min(HURRIED, options.settings.iterations)
+    return replace(options, settings=replace(options.settings, iterations=most))
 
 
 def second_look(

@@ -42,7 +42,7 @@ def reconsidered(
     """Return the rounds, and one more for each early law that another replaces.
 
     The last round, which has found nothing more, stays the last. The law that was found
-    last was chosen beside all others already.
+    last was chosen beside all others already, if that took none of them out.
     """
     kept = list(rounds)
     stayed = accepted(rounds)
