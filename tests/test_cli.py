@@ -109,7 +109,8 @@ def test_derive_gives_causality_equations_and_transfer_function(model):
     assert "integral: mass" in result.stdout
     assert "d(p_mass)/dt = " in result.stdout
     assert "velocity/force = 1/(mass*s + viscous)" in result.stdout
-    assert "gain  0.25" in result.stdout
+    assert "gain  0.25, and 2 at s = 0" in result.stdout
+    assert "linear about" not in result.stdout
     assert "poles -0.125" in result.stdout
 
 
@@ -117,6 +118,7 @@ def test_derive_as_json_alone_on_stdout(model):
     answer = json.loads(run("derive", model, "--json", "-").stdout)
     assert answer["causality"]["integral"] == ["mass"]
     assert answer["transfer_functions"][0]["poles"] == [[-0.5, 0.0]]
+    assert answer["transfer_functions"][0]["dc_gain"] == pytest.approx(2.0)
     assert set(answer["causality"]["strokes"]) == {
         *("force>carriage", "carriage>mass", "carriage>viscous")
     }
@@ -132,6 +134,11 @@ def test_derive_says_where_a_nonlinear_model_is_linear(tmp_path):
     # d(viscous v |v|)/dv = 2 viscous v, over the mass
     (transfer,) = json.loads(moving.stdout)["transfer_functions"]
     assert transfer["poles"] == [[pytest.approx(-2 * 0.5 * 3.0), 0.0]]
+    said = run("derive", f"{path}:cart", "--at", "p_mass=3").stdout
+    assert "linear about p_mass=3 and all else 0" in said
+    still = run("derive", f"{path}:cart").stdout
+    assert "linear about all states and inputs 0" in still
+    assert "gain  1\n" in still  # an integrator: there is none at s = 0
 
 
 def test_derive_as_latex(model):
@@ -200,6 +207,17 @@ def test_simulate_compares_the_model_with_a_recording(model, recording, tmp_path
     assert out.read_text().startswith(
         "time [s],velocity [m/s],velocity_simulated [m/s]\n"
     )
+
+
+def test_smaller_steps_are_more_exact(model, tmp_path):
+    path = recorded(tmp_path / "run.csv", noise=0.0)
+    true = ("--set", f"mass={MASS}", "--set", f"viscous={VISCOUS}", "--hold", "zero")
+    one, four = (
+        json.loads(run("simulate", model, path, *true, *more, "--json", "-").stdout)
+        for more in ((), ("--substeps", 4))
+    )
+    assert four["rmse"]["velocity"] < 0.2 * one["rmse"]["velocity"]
+    assert "--substeps" in refused(run("simulate", model, path, "--substeps", 0))
 
 
 @pytest.mark.parametrize(("held", "why"), [(20, "stay the same"), (1, "fits better")])
