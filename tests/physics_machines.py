@@ -131,6 +131,23 @@ def draining_tank() -> FinishedGraph:
     return g.finish()
 
 
+def piped_tanks() -> FinishedGraph:
+    """Two tanks with a pipe between them that is free to be fitted."""
+    g = BondGraph("piped tanks", domain="hydraulic")
+    g.zero("upper", Sf("pump"), C("area_1"))
+    g.one("pipe", R("laminar"))
+    g.zero("lower", C("area_2"), R("drain"))
+    g.join("upper", "pipe")
+    g.join("pipe", "lower")
+    g.measure("pressure_1", effort="upper")
+    g.measure("pressure_2", effort="lower")
+    for name in ("area_1", "area_2"):
+        g.parameter(name, 0.5, "m^3/Pa", std=0.0)
+    g.parameter("laminar", 2.0, "Pa*s/m^3")
+    g.parameter("drain", 2.0, "Pa*s/m^3", std=0.0)
+    return g.finish()
+
+
 def heaters() -> FinishedGraph:
     """Two blocks that lose heat to a room, counted from its temperature."""
     g = BondGraph("heaters", domain="thermal")
@@ -176,6 +193,7 @@ MACHINES = {
         dc_drive,
         two_tanks,
         draining_tank,
+        piped_tanks,
         heaters,
         damper,
         lamp,

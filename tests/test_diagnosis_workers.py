@@ -12,7 +12,6 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from bondgraph.diagnosis.evidence.confidence import winning_shares
 from bondgraph.diagnosis.evidence.gain import compare
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.search.trials.screening import effective_number
@@ -186,17 +185,6 @@ def test_hypotheses_count_by_how_different_they_are():
     assert effective_number(np.repeat(different[:1], 20, axis=0)) == 1.0
     pairs = np.repeat(different[:10], 2, axis=0)
     assert effective_number(pairs) == pytest.approx(10, rel=0.3)
-
-
-def test_equal_models_share_the_probability_and_a_better_one_takes_it():
-    random = np.random.default_rng(4)
-    errors = random.random(24) + 0.5
-    worse = LeftOutErrors(errors * (1.5 + 0.1 * random.random(24)))
-    same = LeftOutErrors(errors)
-    shares = winning_shares([worse, same, same], [1.0, 1.0, 1.0])
-    np.testing.assert_allclose(shares, [0.0, 0.5, 0.5])
-    # A handicap lets the first of two equals win.
-    np.testing.assert_allclose(winning_shares([same, same], [1.0, 1.1]), [1.0, 0.0])
 
 
 def test_small_gains_everywhere_count_beside_one_large_error():

@@ -21,7 +21,7 @@ from scipy.signal import lfilter
 from bondgraph import BondGraph, C, Recording, Sf, bind_to
 from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence import left_out
-from bondgraph.diagnosis.evidence.confidence import beyond_resampling, winning_shares
+from bondgraph.diagnosis.evidence.confidence import beyond_resampling, probability
 from bondgraph.diagnosis.evidence.decision import (
     Judged,
     alike,
@@ -29,7 +29,6 @@ from bondgraph.diagnosis.evidence.decision import (
     best_supported,
     clearly_better,
     judge,
-    probability,
     with_plainer,
 )
 from bondgraph.diagnosis.evidence.gain import (
@@ -513,16 +512,27 @@ def twin_of(one):
     return one.errors, one.gain, one.support, ""
 
 
-def test_shares_are_those_of_resampled_chunks():
+def on_three_chunks(*chunks, physics):
+    after = errors(*chunks)
+    gain = compare(errors(6.0, 6.0, 6.0), after)
+    return Judged(candidate(physics), after, gain, Support.SUPPORTED, "")
+
+
+def test_the_probability_is_the_share_of_resampled_chunks():
     """Two models that are better on one chunk of three each, by exact counting."""
-    first, second = errors(1.0, 2.0, 2.0), errors(2.0, 1.0, 2.0)
+    base = errors(6.0, 6.0, 6.0)
+    first = on_three_chunks(1.0, 2.0, 2.0, physics="drag")
+    second = on_three_chunks(2.0, 1.0, 2.0, physics="spring")
     # Of 27 draws of three chunks as many prefer the one as the other; ties are shared.
-    shares = winning_shares([first, second], [1.0, 1.0])
-    np.testing.assert_allclose(shares, [0.5, 0.5], atol=0.03)
-    assert shares.sum() == pytest.approx(1.0)
-    # The first loses all but where it is drawn more often: P(n1 > n2) = 10/27.
-    handicapped = winning_shares([first, second], [1.0 + 1e-9, 1.0])
-    np.testing.assert_allclose(handicapped, [10 / 27, 17 / 27], atol=0.03)
+    both = [first, second]
+    sure = [probability(one, both, base, RULE) for one in both]
+    np.testing.assert_allclose(sure, [0.5, 0.5], atol=0.06)
+    assert sum(sure) == pytest.approx(1.0)
+    # Where the first is ever so little worse it loses all but where it is drawn more
+    # often: P(n1 > n2) = 10/27.
+    worse = on_three_chunks(1.0 + 1e-4, 2.0 + 1e-4, 2.0 + 1e-4, physics="drag")
+    sure = probability(worse, [worse, second], base, RULE)
+    assert sure == pytest.approx(10 / 27, abs=0.06)
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from judged_candidates import (
 from scipy import stats
 
 from bondgraph.diagnosis.candidates import CURVE
-from bondgraph.diagnosis.evidence.confidence import winning_shares
+from bondgraph.diagnosis.evidence.confidence import probability
 from bondgraph.diagnosis.evidence.decision import (
     ALIKE,
     NAMED_SHARE,
@@ -31,7 +31,6 @@ from bondgraph.diagnosis.evidence.decision import (
     best_supported,
     clearly_better,
     judge,
-    probability,
 )
 from bondgraph.diagnosis.evidence.gain import Gain, beside_earlier, compare
 from bondgraph.diagnosis.evidence.left_out import (
@@ -373,9 +372,8 @@ def test_the_same_law_where_the_chosen_one_clearly_wins_does_not_count():
     assert clearly_better(chosen, far, RULE)
     assert probability(chosen, [chosen, tied], base, RULE) == pytest.approx(1.0)
     assert probability(far, [far, chosen], base, RULE) == pytest.approx(1.0)
-    assert winning_shares([chosen.errors, tied.errors], [1.0, 1.0]) == pytest.approx(
-        [0.5, 0.5]
-    )
+    spring = replace(tied, candidate=candidate(physics="spring"))
+    assert probability(chosen, [chosen, spring], base, RULE) == pytest.approx(0.5)
 
 
 def test_the_same_law_elsewhere_counts_only_where_it_could_be_the_one():
@@ -394,13 +392,35 @@ def test_the_same_law_elsewhere_counts_only_where_it_could_be_the_one():
     assert probability(chosen, [chosen, here], base, RULE) == pytest.approx(1.0)
 
 
-def test_what_leaves_nothing_wins_whatever_is_drawn():
-    shares = winning_shares([errors(0, 0, 0), errors(1, 0, 2)], [1.0, 1.0])
-    assert shares[0] > shares[1]
-    assert sum(shares) == pytest.approx(1.0)
-    assert winning_shares([errors(0, 0), errors(0, 0)], [1.0, 1.0]) == pytest.approx(
-        [0.5, 0.5]
+def test_the_simplest_of_a_chain_is_as_sure_as_it_is_chosen_again():
+    """A wide law beats the simplest one, and not the one between, which does not."""
+    base, ones = LeftOutErrors(16.0 * np.ones(24)), np.ones(24)
+    rough = 1.0 + 0.9 * np.cos(np.arange(24) * 5)  # of which little is sure
+    simplest = leaving(0.14, physics="orifice", complexity=0)
+    between = leaving(0.137, physics="spring")
+    between = replace(
+        between, errors=LeftOutErrors(16.0 * 0.137 * rough**2 / np.mean(rough**2))
     )
+    wide = leaving(0.10, physics="bent sensor", complexity=2)
+    wide = replace(wide, errors=LeftOutErrors(16.0 * 0.10 * ones))
+    all_of_them = [wide, between, simplest]
+    assert clearly_better(wide, simplest, RULE)
+    assert not clearly_better(wide, between, RULE)
+    assert not clearly_better(between, simplest, RULE)
+    assert best_supported(all_of_them, RULE) is simplest
+    sure = probability(simplest, all_of_them, base, RULE)
+    assert 0.3 < sure < 1.0
+    alone = probability(simplest, [wide, simplest], base, RULE)
+    assert alone == pytest.approx(0.0)
+
+
+def test_what_leaves_nothing_wins_whatever_is_drawn():
+    nothing = leaving(0.0)
+    something = leaving(0.001, physics="spring")
+    base = LeftOutErrors(16.0 * np.ones(24))
+    assert probability(nothing, [something, nothing], base, RULE) == pytest.approx(1.0)
+    twin = leaving(0.0, physics="spring")
+    assert probability(nothing, [twin, nothing], base, RULE) == pytest.approx(0.5)
 
 
 def fitted_with(residuals, cost, noise_unit=1.0):

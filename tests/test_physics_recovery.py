@@ -160,6 +160,8 @@ CASES = [
     Case("two_masses", "Slip", "coupling", {"leak": 0.05}),
     Case("geared_arm", "Slip", "gear", {"slip_resistance": 20.0}),
     Case("draining_tank", "SquareLaw", "tank", {"outlet_flow": 0.5}),
+    Case("piped_tanks", "SquareLaw", "pipe", {"laminar_square": 3.0}),
+    Case("piped_tanks", "SquareLaw", "pipe", {"laminar_past": 0.3}, 1),
     Case("two_tanks", "SquareRootOrifice", "upper", {"orifice": 0.3}),
     Case("two_tanks", "Overflow", "upper", {"overflow_level": 1.5, "overflow": 3.0}),
     Case("two_tanks", "Overflow", "upper", {"overflow_level": 1.5, "overflow": 3.0}, 1),

@@ -182,7 +182,16 @@ def _errors(before, after):
 )
 def test_what_whole_training_recordings_keep_is_left(after, left):
     trained = _errors(1.0, after)
-    assert left_of_whole(trained) == pytest.approx(left)
+    assert left_of_whole(trained, {"x": 0.0}) == pytest.approx(left)
+
+
+@pytest.mark.parametrize(("after", "left"), [(0.90, 0.0), (0.95, 0.0), (0.99, 0.9)])
+def test_what_noise_leaves_of_a_recording_is_not_left_of_a_weak_effect(after, left):
+    # Of a squared error of 1 noise makes 0.81, and an effect the rest.
+    trained = _errors(1.0, after)
+    kept = left_of_whole(trained, {"x": 0.9})
+    assert kept == pytest.approx((after**2 - 0.81) / 0.19 if left else 0.0)
+    assert left_of_whole(trained, {"x": 1.1}) == 0.0
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from bondgraph.physics.places.junction import (
 from bondgraph.structure.domains import ELECTRICAL
 from bondgraph.structure.edits import InsertElement, ReplaceRelation, SeveralEdits
 from bondgraph.structure.elements import FlowSource, Resistance, ZeroJunction
-from bondgraph.structure.signals import e, f, flow, signals_in
+from bondgraph.structure.signals import e, f, flow, parameter_symbol, signals_in
 
 
 class SquareRootOrifice(AbstractPhysics):
@@ -62,6 +62,8 @@ class SquareLaw(AbstractPhysics):
             linear = isinstance(node, Resistance) and node.law is None
             if linear and not graph.parameters[node.name].exact:
                 yield self._replaced(place, node.name)
+                if isinstance(place, OneJunctionPlace):
+                    yield self._beside(place, node.name)
 
     def _replaced(self, place: JunctionPlace, resistance: str) -> Hypothesis:
         """Write the law in the variable that the junction gives."""
@@ -87,6 +89,20 @@ class SquareLaw(AbstractPhysics):
         edit = ReplaceRelation(resistance, law, parameters)
         also = (resistance,)
         return self.hypothesis(place, edit, law, coefficients, words, also=also)
+
+    def _beside(self, place: OneJunctionPlace, resistance: str) -> Hypothesis:
+        """Let part of the flow pass beside the linear law, under the same effort."""
+        most = (0.0, 0.3 * place.flow)
+        k = place.strength(f"{resistance}_past", place.unit(F), most, low=0.0)
+        at = place.constant(f"{resistance}_effort", place.unit(E), place.effort)
+        linear = e / parameter_symbol(resistance)
+        law = linear + k.symbol * _smooth_root(e / at.symbol)
+        words = (
+            f"{place.a(F)} that grows with the root of {place.domain.effort} passes "
+            f"beside that of {resistance}"
+        )
+        edit = ReplaceRelation(resistance, law, (k.parameter, at.parameter))
+        return self.hypothesis(place, edit, law, (k, at), words, also=(resistance,))
 
 
 class Overflow(AbstractPhysics):

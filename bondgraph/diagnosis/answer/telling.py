@@ -1,6 +1,6 @@
 """The answer: what the search found, told in records, numbers and sentences."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -59,8 +59,8 @@ def answer(
     before, after = report(base, graph, recordings), report(final, graph, recordings)
     trained = _comparison(base, final, recordings)
     shown = _comparison(base, final, held_out)
-    left = remaining(rounds, noise_floor(recordings))
-    left = max(left, left_of_whole(trained))
+    floor = noise_floor(recordings)
+    left = max(remaining(rounds, floor), left_of_whole(trained, floor))
     told, others = findings_of(rounds, after, held_out, options, left)
     findings = doubted_at_jumps(doubted(told, left), made)
     wrong = contradicted(graph, after.estimates)
@@ -84,7 +84,7 @@ def answer(
         findings=(*findings, *wrong),
         train=trained,
         held_out=shown,
-        noise_floor=noise_floor(recordings),
+        noise_floor=floor,
         false_alarm_probability=options.rule.false_alarm_probability,
         next_experiment=next_experiment(findings, others, base, experiment),
         experiment=experiment,
@@ -107,14 +107,21 @@ def answer(
     )
 
 
-def left_of_whole(trained: Comparison) -> float:
+def left_of_whole(trained: Comparison, floor: Mapping[str, float]) -> float:
     """Return the share of squared error that whole training recordings keep, if most.
 
     What explains windows, each from a state of its own, and hardly a recording is not
-    the cause.
+    the cause. What noise leaves of a recording, as it does of one with a weak effect,
+    is nothing that a cause could take away.
     """
-    ratio = trained.after.nrmse / trained.before.nrmse
-    return 0.0 if ratio < HARDLY else min(ratio**2, 1.0)
+    whole = kept = 0.0
+    for name, before in trained.before.rmse.items():
+        after, noise = trained.after.rmse[name], floor.get(name, 0.0)
+        if before > noise:
+            whole += 1.0 - (noise / before) ** 2
+            kept += max(after**2 - noise**2, 0.0) / before**2
+    share = kept / whole if whole > 0.0 else 0.0
+    return 0.0 if share < HARDLY**2 else min(share, 1.0)
 
 
 def _rivals(found: Round) -> list[Candidate]:

@@ -2,22 +2,35 @@
 
 The errors of all judged models on the left-out chunks are resampled chunk by chunk
 (block bootstrap), the same chunks for all, so that what is hard for every model decides
-nothing. The share of resamples in which an answer, or one that cannot be told from it,
-predicts best is its probability; "nothing is missing" takes part like any other answer
-(bootstrap stacking: Yao, Vehtari, Simpson and Gelman, Bayesian Analysis 13, 2018).
+nothing. The share of resamples in which the rule that decided decides for the same
+answer again, or for one that cannot be told from it, is its probability; "nothing is
+missing" takes part like any other answer (stability of a selection: Meinshausen and
+Bühlmann, Journal of the Royal Statistical Society B 72, 2010).
 Resampling sees the noise and nothing else. That the cause is in no library, or that a
 law nearly like it won, is a doubt of its own, and is measured on concealed cases.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
+from itertools import compress
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.candidates import CURVE
+from bondgraph.diagnosis.evidence.decision import (
+    Judged,
+    Rule,
+    best_as_simple,
+    best_predictors,
+    is_meant,
+)
+from bondgraph.diagnosis.evidence.gain import reduction
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
+from bondgraph.diagnosis.records import Support
 
 Array = NDArray[np.float64]
-RESAMPLES = 2000
+RESAMPLES = 500
 SEED = 20
 
 UNSEEN = 0.15
@@ -46,25 +59,47 @@ def beyond_resampling(share: float, errors: LeftOutErrors) -> float:
     return (1.0 - UNSEEN) * share * n / (n + 2.0) / usual
 
 
-def winning_shares(
-    models: Sequence[LeftOutErrors], handicaps: Sequence[float]
-) -> Array:
-    """Return for each model the share of resamples in which it predicts best.
+def probability(
+    chosen: Judged, judged: Sequence[Judged], base: LeftOutErrors, rule: Rule
+) -> float:
+    """Return the share of resamples in which the chosen physics is the one to believe.
+
+    With it count the same physics at places that are not told from it, and laws that
+    contain it here. Of laws as simple the better predictor wins, however plain; a curve
+    without a name, where that was chosen, wins where it predicts best. Nothing wins
+    that is not worth a finding.
 
     Parameters
     ----------
-    models
-        Errors of every model on the same chunks.
-    handicaps
-        Factor on the error of each, 1 for none: what a wider law must be better by.
+    base
+        Errors without any of them.
     """
-    errors = np.array([model.chunks for model in models])
-    drawn = np.random.default_rng(SEED).integers(
-        0, errors.shape[1], (RESAMPLES, errors.shape[1])
+    rivals = [j for j in judged if j.support is Support.SUPPORTED and j is not chosen]
+    rivals = [replace(chosen, support=Support.SUPPORTED), *rivals]
+    meant = [True, *(is_meant(j, chosen, rule) for j in rivals[1:])]
+    n = base.chunks.size
+    won = 0.0
+    for drawn in np.random.default_rng(SEED).integers(0, n, (RESAMPLES, n)):
+        before = LeftOutErrors(base.chunks[drawn])
+        again = [_judged_again(one, before, drawn) for one in rivals]
+        named = chosen.physics != CURVE
+        best = best_as_simple(again, rule) if named else best_predictors(again)
+        won += _share_of(best, list(compress(again, meant)), rule)
+    return won / RESAMPLES
+
+
+def _share_of(best: Sequence[Judged], meant: Sequence[Judged], rule: Rule) -> float:
+    """Return the share that those meant have in what wins, if it is worth a finding."""
+    worth = {id(one) for one in meant if one.gain.value >= rule.materiality}
+    return sum(id(one) in worth for one in best) / len(best)
+
+
+def _judged_again(
+    judged: Judged, before: LeftOutErrors, drawn: NDArray[np.intp]
+) -> Judged:
+    """Return what is judged on chunks that were dealt anew."""
+    errors = LeftOutErrors(judged.errors.chunks[drawn], noise=judged.errors.noise)
+    less, std = reduction(before, errors)
+    return replace(
+        judged, errors=errors, gain=replace(judged.gain, value=less, std=std)
     )
-    counts = np.zeros((RESAMPLES, errors.shape[1]))
-    np.add.at(counts, (np.arange(RESAMPLES)[:, None], drawn), 1.0)
-    totals = counts @ errors.T * np.asarray(handicaps)
-    best = totals <= totals.min(axis=1, keepdims=True) * (1 + 1e-12)
-    shares: Array = (best / best.sum(axis=1, keepdims=True)).mean(axis=0)
-    return shares

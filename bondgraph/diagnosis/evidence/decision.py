@@ -5,12 +5,11 @@ number of candidates tried, and material. Among those not clearly worse than the
 the simplest wins; the others stay on record as alternatives.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate
-from bondgraph.diagnosis.evidence.confidence import winning_shares
-from bondgraph.diagnosis.evidence.gain import Gain, compare
+from bondgraph.diagnosis.evidence.gain import Gain, compare, reduction
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
 from bondgraph.physics.library import LIBRARY
@@ -22,6 +21,8 @@ SHADE = 0.0025
 """A wider law that takes away no more than this share beyond the narrower one at the
 same place (5 % of its size) is a shade of that, as any offset is: a judgement.
 """
+TIE = 1e-6
+"""Left-out errors closer than this share differ by rounding."""
 NEARLY_AS_GOOD = "hardly less than a supported law with more parameters"
 NAMED_SHARE = 0.8
 """A named law must give this share of what a free curve gives, or the curve is told."""
@@ -164,14 +165,51 @@ def _hardly_beaten(plainer: Judged, other: Judged, rule: Rule) -> bool:
     return close or other.physics == CURVE
 
 
+_Pick = Callable[[Sequence[Judged], Rule], Judged]
+"""How to choose among laws as simple."""
+
+
 def best_supported(judged: Sequence[Judged], rule: Rule) -> Judged | None:
     """Return the supported candidate to believe, or None.
 
     A law with more parameters must beat the simpler one materially; among laws as
-    simple the better predictor wins. A curve without a name is chosen only where no
-    named law gives most of what it gives, and one that multiplies what depends on
-    something else only where no curve alone does.
+    simple the better predictor wins, and of those that predict alike the plainest. A
+    curve without a name is chosen only where no named law gives most of what it gives,
+    and one that multiplies what depends on something else only where no curve alone
+    does.
     """
+    return _simplest(judged, rule, _plainest)
+
+
+def best_as_simple(judged: Sequence[Judged], rule: Rule) -> list[Judged]:
+    """Return the same whatever is plain: of laws as simple the best, and its ties."""
+    best = _simplest(judged, rule, _leading)
+    if best is None:
+        return []
+    width, named = best.candidate.complexity, best.physics != CURVE
+    return best_predictors(
+        [
+            j
+            for j in judged
+            if j.candidate.complexity == width and (j.physics != CURVE) is named
+        ]
+    )
+
+
+def best_predictors(judged: Sequence[Judged]) -> list[Judged]:
+    """Return the supported candidates that leave least, which but for rounding tie."""
+    supported = [j for j in judged if j.support is Support.SUPPORTED]
+    left = [float(j.errors.chunks.sum()) for j in supported]
+    most = (1.0 + TIE) * min(left, default=0.0)
+    return [j for j, own in zip(supported, left, strict=True) if own <= most]
+
+
+def _simplest(
+    judged: Sequence[Judged],
+    rule: Rule,
+    pick: Callable[[Sequence[Judged], Rule], Judged],
+) -> Judged | None:
+    """Return what is picked of the simplest that nothing wider clearly beats."""
     supported = [j for j in judged if j.support is Support.SUPPORTED]
     if not supported:
         return None
@@ -183,23 +221,32 @@ def best_supported(judged: Sequence[Judged], rule: Rule) -> Judged | None:
         if leading.gain.value >= NAMED_SHARE * best.gain.value:
             supported, best = fewer, leading
             break
-    chosen = _plainest_near(best, supported, rule)
+    chosen = pick(_simplest_near(best, supported, rule), rule)
     while True:
-        plainer = _plainest_near(chosen, supported, rule)
+        plainer = pick(_simplest_near(chosen, supported, rule), rule)
         if plainer.candidate.complexity >= chosen.candidate.complexity:
             return chosen
         chosen = plainer
 
 
-def _plainest_near(best: Judged, supported: Sequence[Judged], rule: Rule) -> Judged:
-    """Return the simplest candidate that `best` does not clearly beat.
-
-    Of laws that predict alike, the plainest; of places, the best.
-    """
+def _simplest_near(
+    best: Judged, supported: Sequence[Judged], rule: Rule
+) -> list[Judged]:
+    """Return the simplest candidates that `best` does not clearly beat."""
     close = [j for j in supported if not clearly_better(best, j, rule)]
     fewest = min(j.candidate.complexity for j in close)
-    simplest = [j for j in close if j.candidate.complexity == fewest]
-    leading = max(simplest, key=_gained)
+    return [j for j in close if j.candidate.complexity == fewest]
+
+
+def _leading(simplest: Sequence[Judged], rule: Rule) -> Judged:
+    """Return the best predictor, whatever the rule."""
+    del rule
+    return max(simplest, key=_gained)
+
+
+def _plainest(simplest: Sequence[Judged], rule: Rule) -> Judged:
+    """Return, of laws that predict alike, the plainest; of places, the best."""
+    leading = _leading(simplest, rule)
     plainest = min((j for j in simplest if alike(leading, j)), key=rule.plainness)
     same = [j for j in simplest if j.physics == plainest.physics]
     fewest = min(map(_variables, same))
@@ -225,25 +272,29 @@ def clearly_better(better: Judged, worse: Judged, rule: Rule) -> bool:
     """
     if better is worse or _is_a_shade_of(better, worse):
         return False
-    difference = compare(worse.errors, better.errors)
-    return difference.value > _lead(difference, better.errors, worse.errors, rule)
+    less, std = reduction(worse.errors, better.errors)
+    return less > _lead(std, better.errors, worse.errors, rule)
 
 
 def _is_a_shade_of(wider: Judged, narrower: Judged) -> bool:
     """Return whether a law contains another and takes away next to nothing more."""
-    if wider.place != narrower.place or not _extends(wider, narrower):
+    if wider.place != narrower.place or not extends(wider, narrower):
         return False
     more = wider.gain.value - narrower.gain.value
     return 0.0 <= more <= SHADE * narrower.gain.value
 
 
-def _lead(
-    difference: Gain, better: LeftOutErrors, worse: LeftOutErrors, rule: Rule
-) -> float:
-    """Return the share of the worse one's error by which a lead is clear."""
+def _lead(std: float, better: LeftOutErrors, worse: LeftOutErrors, rule: Rule) -> float:
+    """Return the share of the worse one's error by which a lead is clear.
+
+    Parameters
+    ----------
+    std
+        The standard error of the lead.
+    """
     whole = max(float(worse.chunks.sum()), 1e-300)
     bent = BENT * better.beyond_noise / whole
-    return max(2.0 * difference.std, rule.materiality / 2, bent)
+    return max(2.0 * std, rule.materiality / 2, bent)
 
 
 def alike(one: Judged, other: Judged) -> bool:
@@ -253,10 +304,10 @@ def alike(one: Judged, other: Judged) -> bool:
     of the difference (Breiman, Friedman, Olshen and Stone, *Classification and
     Regression Trees*, 1984, 3.4.3). Where both leave little but noise, little tells.
     """
-    difference = compare(other.errors, one.errors)
+    less, std = reduction(other.errors, one.errors)
     whole = max(float(other.errors.chunks.sum()), 1e-300)
     beyond = other.errors.beyond_noise / whole
-    return abs(difference.value) <= max(ALIKE * beyond, difference.std)
+    return abs(less) <= max(ALIKE * beyond, std)
 
 
 def alternatives_to(
@@ -274,12 +325,12 @@ def alternatives_to(
         and j.support is Support.SUPPORTED
         and not clearly_better(chosen, j, rule)
         and j.physics != CURVE
-        and not _extends(j, chosen)
+        and not extends(j, chosen)
     ]
     return tuple(sorted(close, key=lambda j: -j.gain.value))
 
 
-def _extends(wider: Judged, narrower: Judged) -> bool:
+def extends(wider: Judged, narrower: Judged) -> bool:
     """Return whether the wider law contains the narrower one.
 
     With the same word it does at the same place only: elsewhere, also with more
@@ -291,50 +342,12 @@ def _extends(wider: Judged, narrower: Judged) -> bool:
     return more and wider.place == narrower.place
 
 
-def probability(
-    chosen: Judged, judged: Sequence[Judged], base: LeftOutErrors, rule: Rule
-) -> float:
-    """Return the share of resamples in which the chosen physics is the one to believe.
+def is_meant(other: Judged, chosen: Judged, rule: Rule) -> bool:
+    """Return whether a law counts as the chosen one, or contains it.
 
-    With it count the same physics at places that are not told from it, and laws that
-    contain it here. The others have to beat it as they have to beat it to be chosen: a
-    law with more parameters clearly, a curve without a name by far.
+    The same physics does where it sits there for all that one can tell.
     """
-    handicaps = [_handicap(j, chosen, rule) for j in judged]
-    errors = [_competing(j, chosen, base) for j in judged]
-    shares = winning_shares([base, *errors], [1.0 - rule.materiality, *handicaps])
-    return float(
-        sum(
-            share
-            for share, j in zip(shares[1:], judged, strict=True)
-            if j is chosen
-            or _extends(j, chosen)
-            or (j.physics == chosen.physics and _near(j, chosen, rule))
-        )
-    )
-
-
-def _competing(judged: Judged, chosen: Judged, base: LeftOutErrors) -> LeftOutErrors:
-    """Return the errors with which a rival competes.
-
-    A free curve keeps of its gain what a named law must give to be told instead.
-    """
-    if not judged.physics == CURVE != chosen.physics:
-        return judged.errors
-    kept = NAMED_SHARE * judged.errors.chunks + (1.0 - NAMED_SHARE) * base.chunks
-    return LeftOutErrors(kept)
-
-
-def _handicap(judged: Judged, chosen: Judged, rule: Rule) -> float:
-    """Return the factor on a rival's error with which it competes."""
-    if judged.physics == CURVE != chosen.physics:
-        return 1.0
-    if judged.candidate.complexity <= chosen.candidate.complexity:
-        return 1.0
-    difference = compare(chosen.errors, judged.errors)
-    return 1.0 + _lead(difference, judged.errors, chosen.errors, rule)
-
-
-def _near(other: Judged, chosen: Judged, rule: Rule) -> bool:
-    """Return whether the other sits where the chosen one does, for all one can tell."""
-    return other.place == chosen.place or not clearly_better(chosen, other, rule)
+    if extends(other, chosen):
+        return True
+    near = other.place == chosen.place or not clearly_better(chosen, other, rule)
+    return other.physics == chosen.physics and near

@@ -58,19 +58,28 @@ class Gain:
 def compare(before: LeftOutErrors, after: LeftOutErrors) -> Gain:
     """Return how much smaller the error is `after`, with its jackknife error."""
     b, a = before.chunks, after.chunks
-    total = b.sum()
-    if total <= 0.0:
+    if b.sum() <= 0.0:
         return Gain(0.0, 0.0, 1.0)
-    value = 1.0 - a.sum() / total
-    left = (a.sum() - a) / np.maximum(total - b, 1e-300)  # without each chunk in turn
-    n = len(b)
-    std = float(np.sqrt((n - 1) / n * ((left - left.mean()) ** 2).sum()))
+    value, std = reduction(before, after)
     if std == 0.0:
-        return Gain(float(value), 0.0, 0.0 if value > 0 else 1.0)
+        return Gain(value, 0.0, 0.0 if value > 0 else 1.0)
+    n = len(b)
     tests = [float(stdtr(n - 1, -value / std)), _above_zero(_log_ratios(b, a))]
     if before.surprise.size:
         tests.append(_above_zero(before.surprise - after.surprise))
-    return Gain(float(value), std, min(len(tests) * min(tests), 1.0))
+    return Gain(value, std, min(len(tests) * min(tests), 1.0))
+
+
+def reduction(before: LeftOutErrors, after: LeftOutErrors) -> tuple[float, float]:
+    """Return by which share the error is smaller `after`, and its jackknife error."""
+    b, a = before.chunks, after.chunks
+    total, rest = float(b.sum()), float(a.sum())
+    if total <= 0.0:
+        return 0.0, 0.0
+    left = (rest - a) / np.maximum(total - b, 1e-300)  # without each chunk in turn
+    n = len(b)
+    std = float(np.sqrt((n - 1) / n * ((left - left.mean()) ** 2).sum()))
+    return 1.0 - rest / total, std
 
 
 def beside_earlier(

@@ -12,7 +12,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from bondgraph.diagnosis.candidates import Candidate
-from bondgraph.diagnosis.evidence.decision import Judged, Rule, probability
+from bondgraph.diagnosis.evidence.confidence import probability
+from bondgraph.diagnosis.evidence.decision import Judged, Rule
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, chunk_count
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.base.beyond_noise import explainable

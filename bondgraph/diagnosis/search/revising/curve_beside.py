@@ -11,11 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from bondgraph.diagnosis.candidates import CURVE
+from bondgraph.diagnosis.evidence.confidence import probability
 from bondgraph.diagnosis.evidence.decision import (
     Judged,
     Rule,
     clearly_better,
-    probability,
 )
 from bondgraph.diagnosis.evidence.left_out import left_out_errors
 from bondgraph.diagnosis.records import Support

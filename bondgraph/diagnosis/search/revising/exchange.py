@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate
+from bondgraph.diagnosis.evidence.confidence import probability
 from bondgraph.diagnosis.evidence.decision import (
     Judged,
     Rule,
     clearly_better,
     judge,
-    probability,
 )
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, left_out_errors
 from bondgraph.diagnosis.records import Support

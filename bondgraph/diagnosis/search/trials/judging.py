@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.candidates import Candidate
+from bondgraph.diagnosis.evidence.confidence import probability
 from bondgraph.diagnosis.evidence.decision import (
     Judged,
     Rule,
     best_supported,
     judge,
-    probability,
     with_plainer,
 )
 from bondgraph.diagnosis.evidence.left_out import (
