@@ -43,7 +43,7 @@ class SquareLaw(AbstractPhysics):
     """A linear resistance that is a square law: effort grows with the flow squared.
 
     The outlet of a tank, a turbulent pipe, a fan: the linear law is replaced, since the
-    two do not act side by side.
+    two do not act side by side; between two stocks another way may lead past it.
     """
 
     word = "square_root_orifice"
@@ -101,7 +101,8 @@ class SquareLaw(AbstractPhysics):
             f"{place.a(F)} that grows with the root of {place.domain.effort} passes "
             f"beside that of {resistance}"
         )
-        edit = ReplaceRelation(resistance, law, (k.parameter, at.parameter))
+        own = (k.parameter, at.parameter)
+        edit = ReplaceRelation(resistance, law, own, nested=True)
         return self.hypothesis(place, edit, law, (k, at), words, also=(resistance,))
 
 
