@@ -329,6 +329,14 @@ def test_a_bad_check_file_is_one_line(folder, text, expected):
     assert "checks.toml" in one_line(error)
 
 
+def test_a_model_is_no_check_file_and_what_looks_at_it_is_named(folder):
+    path = folder / "cart.py"
+    path.write_text("from bondgraph import BondGraph\n")
+    with pytest.raises(CheckError) as error:
+        run_checks(path)
+    assert "'bondgraph derive'" in one_line(error)
+
+
 def test_a_missing_or_unreadable_check_file_is_one_line(folder):
     with pytest.raises(CheckError) as error:
         run_checks(folder / "absent.toml")

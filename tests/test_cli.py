@@ -209,6 +209,19 @@ def test_simulate_compares_the_model_with_a_recording(model, recording, tmp_path
     )
 
 
+RUNAWAY = MODEL.replace("bounds=(0, 100)", "bounds=(-100, 100)")
+
+
+def test_simulate_of_what_runs_away_names_the_window(recording, tmp_path):
+    model = tmp_path / "runaway.py"
+    model.write_text(RUNAWAY)
+    words = ("simulate", model, recording, "--set", "viscous=-5")
+    assert "goes astray" in run(*words).stdout
+    assert "--window SECONDS" in run(*words).stdout
+    assert "goes astray" not in run(*words, "--window", 0.2).stdout
+    assert "goes astray" not in run(*words[:3]).stdout
+
+
 def test_smaller_steps_are_more_exact(model, tmp_path):
     path = recorded(tmp_path / "run.csv", noise=0.0)
     true = ("--set", f"mass={MASS}", "--set", f"viscous={VISCOUS}", "--hold", "zero")

@@ -504,6 +504,11 @@ def test_names_are_never_markup() -> None:
 def test_estimates_say_what_is_not_identifiable() -> None:
     blind = Estimate(name="k", value=2.0, std=None, unit="N/m", start=1.0)
     assert "2 (not identifiable)" in estimates_table([blind], width=80)
+    for value, told in ((5e103, "grown without bound"), (-3e-20, "shrunk to nothing")):
+        gone = estimates_table([replace(blind, value=value)], width=80)
+        assert f"has {told} (not identifiable)" in gone
+    unknown = replace(blind, value=5e103, start=0.0)
+    assert "10¹⁰³ (not identifiable)" in estimates_table([unknown], width=80)
 
 
 def test_recordings_are_listed_with_units() -> None:

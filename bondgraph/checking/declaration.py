@@ -91,7 +91,12 @@ def _toml(path: Path) -> dict[str, Any]:
         ) from error
     except NotTomlError as error:
         raise CheckError(
-            f"{path.name} is not TOML: {error}.", (str(path),), "Correct the syntax."
+            f"{path.name} is not TOML: {error}.",
+            (str(path),),
+            "Correct the syntax."
+            if path.suffix != ".py"
+            else "A check file declares values; whether a model is well made, "
+            "'bondgraph derive' says, and what it does, 'bondgraph simulate'.",
         ) from error
 
 

@@ -24,6 +24,7 @@ from bondgraph.cli.session import Session
 from bondgraph.errors import FitError
 from bondgraph.fitting.either_hold import simulated_either_way
 from bondgraph.fitting.estimate import FitSettings
+from bondgraph.fitting.horizon import WholeRecordings
 from bondgraph.fitting.simulate import Solution, SolveStatus, simulate
 from bondgraph.recordings.misreadings import without_misreadings
 from bondgraph.recordings.names import join_header
@@ -41,6 +42,15 @@ from bondgraph.structure.domains import THERMAL
 
 LISTED_EVENTS = 8
 """More are counted by kind; all are in the JSON."""
+
+ASTRAY = 1.0
+"""Standard deviations: the mean of what was measured is not further away."""
+
+STRETCHES = (
+    "Over the whole recording the simulation goes astray, as it does where a machine "
+    "is unstable or drifts and a value is a little wrong: --window SECONDS compares "
+    "stretches of it, each from a state of its own."
+)
 
 
 @click.command(
@@ -106,6 +116,9 @@ def command(
     spread = "the standard deviation of what was measured"
     together = "Together that" if len(solution.output_names) > 1 else "That"
     session.say(f"{together} is {relative_error(solution.score, spread)}.")
+    whole = isinstance(settings.horizon, WholeRecordings)
+    if whole and solution.score.nrmse > ASTRAY:
+        session.say(STRETCHES)
     # The pseudo bonds of the thermal domain carry no power.
     thermal = all(domain is THERMAL for domain in graph.domains)
     if solution.audit.has_flowed and not thermal:

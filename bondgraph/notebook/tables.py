@@ -8,6 +8,7 @@ from bondgraph.causality.records import CausalAssignment
 from bondgraph.fitting.result import Estimate, FitResult
 from bondgraph.reporting.wording import (
     NOTHING,
+    blind_words,
     number_words,
     relative_error,
     unit_words,
@@ -74,7 +75,11 @@ def fit_html(result: FitResult) -> str:
 
 
 def _estimate(one: Estimate) -> tuple[str, ...]:
-    blind = " (not identifiable)" if one.std is None else ""
+    ended = (
+        blind_words(one.value, one.start)
+        if one.std is None
+        else with_deviation(one.value, one.std)
+    )
     interval = (
         NOTHING
         if one.interval is None
@@ -83,7 +88,7 @@ def _estimate(one: Estimate) -> tuple[str, ...]:
     return (
         one.name,
         number_words(one.start),
-        with_deviation(one.value, one.std) + blind,
+        ended,
         interval,
         unit_words(one.unit),
     )

@@ -17,6 +17,7 @@ from bondgraph.physics.names import name_of
 from bondgraph.recordings.recording import Recording
 from bondgraph.reporting.wording import (
     NOTHING,
+    blind_words,
     interval_words,
     number_words,
     percent,
@@ -121,7 +122,7 @@ def estimates_table(
         blind = one.std is None
         value = Cell(with_deviation(one.value, one.std))
         if blind:
-            value = Cell(f"{number_words(one.value)} (not identifiable)", "yellow")
+            value = Cell(blind_words(one.value, one.start), "yellow")
         start = Cell(number_words(one.start), "dim")
         rows.append((Cell(one.name), start, value, Cell(_unit(one.unit))))
         intervals.append(Cell(_interval(one.interval)))

@@ -64,6 +64,10 @@ def number_words(value: float | None, digits: int = 4) -> str:
     return _typeset(f"{value:.{digits}g}")
 
 
+RUN_AWAY = 1e6
+"""A value so many times its start, or its start so many times it, has run away."""
+
+
 def with_deviation(value: float, std: float | None) -> str:
     """Return ``value ± std``, rounded to two digits of the standard deviation."""
     if std is None or not math.isfinite(std) or not math.isfinite(value):
@@ -78,6 +82,16 @@ def with_deviation(value: float, std: float | None) -> str:
     texts = (f"{x / 10.0**power:.{places}f}" for x in (value, std))
     both = " ± ".join(_typeset(text) for text in texts)
     return f"({both})·10{str(power).translate(_SUPERSCRIPT)}" if power else both
+
+
+def blind_words(value: float, start: float | None) -> str:
+    """Return a value that nothing determines, in words where it has run away."""
+    size = abs(value / start) if start else 1.0
+    if size > RUN_AWAY:
+        return "has grown without bound (not identifiable)"
+    if size < 1.0 / RUN_AWAY:
+        return "has shrunk to nothing (not identifiable)"
+    return f"{number_words(value)} (not identifiable)"
 
 
 def interval_words(low: float, high: float) -> str:

@@ -256,7 +256,11 @@ def _unnamed(names: Sequence[str], null: Array, where: str) -> str:
     if fewer <= 0:
         have = "has" if len(moving) == 1 else "have"
         return f"{listed(moving)} {have} hardly any effect on {where}"
-    return f"{listed(moving)} only in {fewer} combination{'s' if fewer != 1 else ''}"
+    several = f"{fewer} combination{'s' if fewer != 1 else ''}"
+    stated = ("one", "two", "three")[len(null) - 1] if len(null) <= 3 else len(null)
+    return (
+        f"{listed(moving)} only in {several}: state {stated} of them to know the rest"
+    )
 
 
 def barely_known(

@@ -11,6 +11,7 @@ from bondgraph.reporting.diagnosis_json import delivered
 from bondgraph.reporting.page.evidence import Whisker
 from bondgraph.reporting.wording import (
     NOTHING,
+    blind_words,
     interval_words,
     number_words,
     unit_words,
@@ -90,8 +91,7 @@ def _shown(estimates: Sequence[Estimate | None]) -> list[Shown]:
         if one is None:
             shown.append(Shown(text=NOTHING))
         elif one.std is None:
-            text = f"{number_words(one.value)} (not identifiable)"
-            shown.append(Shown(text=text))
+            shown.append(Shown(text=blind_words(one.value, one.start)))
         else:
             shown.append(_known(one, span, (low, high)))
     return shown
