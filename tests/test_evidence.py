@@ -323,6 +323,20 @@ def test_a_simpler_law_that_gives_little_of_a_wider_one_is_not_told_for_it():
     assert with_plainer([wide, half], RULE)[1].support is Support.UNDECIDED
 
 
+def test_what_a_zero_a_little_off_takes_across_the_line_is_not_told():
+    wide = judged(0.89, physics="cogging", complexity=3)
+    off = hardly(0.905, physics="constant_bias")
+    kept, beside = with_plainer([wide, off], RULE)
+    assert (kept.support, beside.support) == (Support.UNDECIDED, Support.UNDECIDED)
+    assert kept.reason.endswith("the too little that a constant bias takes away")
+    assert decide([wide, off], BASE, RULE, lambda _: True).chosen is None
+    # It is told where it takes away more, and beside what is not surely there itself.
+    most = judged(0.85, physics="cogging", complexity=3)
+    assert with_plainer([most, off], RULE)[0] is most
+    by_chance = replace(off, gain=replace(off.gain, p_value=0.02))
+    assert with_plainer([wide, by_chance], RULE)[0] is wide
+
+
 def test_a_law_that_is_not_there_by_itself_is_told_for_none():
     wide = judged(0.30, physics="hysteresis", complexity=3)
     doubtful = hardly(0.31, physics="coulomb_friction")

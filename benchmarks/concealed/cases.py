@@ -22,6 +22,7 @@ SEED_SETS = {
     "final_5": 115_249,
     "final_6": 126_851,
     "final_7": 148_517,
+    "final_8": 543_601,
 }
 """Final ones are opened once: `final` in the first report, `final_2` in the second,
 `final_3` in the third, `final_4` in the fourth, `final_5` in the fifth, and so on.

@@ -118,7 +118,8 @@ def minimise(
     Parameters
     ----------
     theta, initial
-        Where to start.
+        Where to start; values beyond their bounds, as those of a law with other ones
+        may be, start at the bound.
     tolerance
         Two decreases of the cost below this share of it end the iteration, or an
         undamped step that promises next to nothing; where None, the share that
@@ -126,7 +127,11 @@ def minimise(
     settled
         The linearisation there, when it is known already.
     """
-    here = linearise_windows(problem, theta, initial) if settled is None else settled
+    given = theta
+    theta = np.clip(theta, problem.low[problem.free], problem.high[problem.free])
+    if settled is None or not np.array_equal(given, theta):
+        settled = linearise_windows(problem, theta, initial)
+    here = settled
     cost = total_cost(problem, here, theta)
     told = TOLD_STD**2 / int(problem.measured.sum())
     share = min(RELATIVE_DECREASE, told) if tolerance is None else tolerance

@@ -13,6 +13,7 @@ from bondgraph.diagnosis.evidence.gain import Gain, compare, reduction
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
 from bondgraph.physics.library import LIBRARY
+from bondgraph.physics.names import name_of
 
 ALIKE = 0.02
 BENT = 0.25
@@ -24,6 +25,7 @@ same place (5 % of its size) is a shade of that, as any offset is: a judgement.
 TIE = 1e-6
 """Left-out errors closer than this share differ by rounding."""
 NEARLY_AS_GOOD = "hardly less than a supported law with more parameters"
+HARDLY_MORE = "hardly more than the too little that"
 NAMED_SHARE = 0.8
 """A named law must give this share of what a free curve gives, or the curve is told."""
 
@@ -127,12 +129,15 @@ def judge(
 
 
 def with_plainer(judged: Sequence[Judged], rule: Rule) -> tuple[Judged, ...]:
-    """Return candidates, a simpler one supported where a supported one beats it hardly.
+    """Return candidates, a simpler one in place of a wider one that hardly beats it.
 
     How many were tried is held against the first that is accepted. Once something is
     known to be missing, a simpler law that is there by itself, and that predicts nearly
-    as well, is the likelier one, though it has come short of that level.
+    as well, is the likelier one, though it has come short of that level. Where what the
+    simpler one takes away is too little to matter, so is the little more of a wider
+    one: that takes it from a zero a little off across the line.
     """
+    judged = [_held_back(j, judged, rule) for j in judged]
     supported = [j for j in judged if j.support is Support.SUPPORTED]
     return tuple(
         replace(
@@ -145,6 +150,19 @@ def with_plainer(judged: Sequence[Judged], rule: Rule) -> tuple[Judged, ...]:
         else j
         for j in judged
     )
+
+
+def _held_back(wider: Judged, judged: Sequence[Judged], rule: Rule) -> Judged:
+    """Return a candidate, undecided where a simpler one does as much, too little."""
+    if wider.support is not Support.SUPPORTED:
+        return wider
+    for j in judged:
+        sure = j.gain.p_value <= rule.false_alarm_probability
+        little = sure and j.gain.value < rule.materiality
+        if little and _hardly_beaten(j, wider, rule):
+            reason = f"{wider.gain} is {HARDLY_MORE} {name_of(j.physics)} takes away"
+            return replace(wider, support=Support.UNDECIDED, reason=reason)
+    return wider
 
 
 def is_by_itself(judged: Judged, rule: Rule) -> bool:
