@@ -25,7 +25,6 @@ same place (5 % of its size) is a shade of that, as any offset is: a judgement.
 TIE = 1e-6
 """Left-out errors closer than this share differ by rounding."""
 NEARLY_AS_GOOD = "hardly less than a supported law with more parameters"
-HARDLY_MORE = "hardly more than the too little that"
 NAMED_SHARE = 0.8
 """A named law must give this share of what a free curve gives, or the curve is told."""
 
@@ -122,6 +121,9 @@ def judge(
     elif enough:
         support = Support.UNDECIDED
         reason = f"{gain} is not significant among {tried:.0f} candidates"
+    elif sure:
+        support = Support.UNDECIDED
+        reason = f"{gain} may be too little to matter"
     else:
         support = Support.UNDECIDED
         reason = f"{gain} could be nothing"
@@ -153,16 +155,24 @@ def with_plainer(judged: Sequence[Judged], rule: Rule) -> tuple[Judged, ...]:
 
 
 def _held_back(wider: Judged, judged: Sequence[Judged], rule: Rule) -> Judged:
-    """Return a candidate, undecided where a simpler one does as much, too little."""
+    """Return a candidate, refuted where a simpler one does as much, too little."""
     if wider.support is not Support.SUPPORTED:
         return wider
-    for j in judged:
-        sure = j.gain.p_value <= rule.false_alarm_probability
-        little = sure and j.gain.value < rule.materiality
-        if little and _hardly_beaten(j, wider, rule):
-            reason = f"{wider.gain} is {HARDLY_MORE} {name_of(j.physics)} takes away"
-            return replace(wider, support=Support.UNDECIDED, reason=reason)
-    return wider
+    little = [
+        j
+        for j in judged
+        if j.gain.p_value <= rule.false_alarm_probability
+        and j.gain.value < rule.materiality
+        and _hardly_beaten(j, wider, rule)
+    ]
+    if not little:
+        return wider
+    simplest = min(little, key=lambda j: j.candidate.complexity)
+    reason = (
+        f"{wider.gain} is hardly more than {name_of(simplest.physics)} takes away, "
+        "which is too little to matter"
+    )
+    return replace(wider, support=Support.REFUTED, reason=reason)
 
 
 def is_by_itself(judged: Judged, rule: Rule) -> bool:
