@@ -9,6 +9,7 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
+import numpy as np
 import sympy
 
 from bondgraph.diagnosis.candidates import Candidate, is_named
@@ -85,7 +86,8 @@ def kindred(graph: FinishedGraph, hypotheses: Sequence[Hypothesis]) -> list[Kin]
         for one, other in combinations(family, 2)
         if one.place != other.place
     ]
-    return found[:: -(-len(found) // MOST)] if len(found) > MOST else found
+    spread = np.linspace(0, len(found) - 1, min(len(found), MOST)).round().astype(int)
+    return [found[i] for i in spread]
 
 
 def as_one(kin: Kin) -> Hypothesis:
@@ -108,8 +110,8 @@ def _edits(one: Hypothesis) -> tuple[SingleEdit, ...]:
 
 def _kind(graph: FinishedGraph, one: Hypothesis) -> Hashable:
     """Return what two hypotheses have in common whose laws and places are alike."""
-    units = tuple(p.unit for p in one.edit.parameters)
-    return one.physics, units, len(one.starts), _built(graph, one.place)
+    own = tuple((p.name.replace(one.place, ""), p.unit) for p in one.edit.parameters)
+    return one.physics, own, len(one.starts), _built(graph, one.place)
 
 
 def _built(graph: FinishedGraph, place: str) -> Hashable:
