@@ -103,6 +103,22 @@ def test_of_many_kindred_laws_every_law_keeps_its_share(base, monkeypatch):
     assert physics == ["coulomb_friction", "lag"]
 
 
+def test_no_more_are_left_out_than_are_too_many(base, monkeypatch):
+    proposed = propose_all(base, LIBRARY)
+    every = kindred(base.graph, proposed)
+    monkeypatch.setattr(sys.modules[Kindreds.__module__], "MOST", len(every) - 1)
+    assert len(kindred(base.graph, proposed)) == len(every) - 1
+
+
+def test_kindred_laws_are_of_one_form(base):
+    for one, other in kindred(base.graph, propose_all(base, LIBRARY)):
+        mine, its = (
+            [name.replace(law.place, "") for name in law.parameters]
+            for law in (one, other)
+        )
+        assert mine == its
+
+
 def test_what_is_read_at_a_bond_has_places_built_alike_too():
     g = BondGraph("wound shaft", domain="rotation")
     g.one("motor", Se("torque"), I("rotor"))
