@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 
 from bondgraph import BondGraph, R, Recording, Sf, bind_to
-from bondgraph.diagnosis.evidence.decision import Judged, Rule
 from bondgraph.diagnosis.evidence.gain import compare
+from bondgraph.diagnosis.evidence.judged import Judged, Rule
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
 from bondgraph.fitting.estimate import FitSettings, fit_model

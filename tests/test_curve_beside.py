@@ -9,7 +9,7 @@ from rubbing_slider import proposed, slider
 
 from bondgraph import Recording, bind_to, diagnose
 from bondgraph.diagnosis.candidates import CURVE, Candidate
-from bondgraph.diagnosis.evidence.decision import Rule
+from bondgraph.diagnosis.evidence.judged import Rule
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.laws.curve_from_law import with_curve_drawn
 from bondgraph.diagnosis.search.options import Options

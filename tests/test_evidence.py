@@ -23,12 +23,8 @@ from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence import left_out
 from bondgraph.diagnosis.evidence.confidence import beyond_resampling, probability
 from bondgraph.diagnosis.evidence.decision import (
-    Judged,
-    alike,
     alternatives_to,
     best_supported,
-    clearly_better,
-    judge,
     with_plainer,
 )
 from bondgraph.diagnosis.evidence.gain import (
@@ -37,6 +33,8 @@ from bondgraph.diagnosis.evidence.gain import (
     beside_earlier,
     compare,
 )
+from bondgraph.diagnosis.evidence.judged import Judged, judge
+from bondgraph.diagnosis.evidence.leads import alike, clearly_better
 from bondgraph.diagnosis.evidence.left_out import (
     FOLDS,
     LeftOutErrors,

@@ -22,17 +22,13 @@ from scipy import stats
 from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence.confidence import probability
 from bondgraph.diagnosis.evidence.decision import (
-    ALIKE,
     NAMED_SHARE,
-    Judged,
-    Rule,
-    alike,
     alternatives_to,
     best_supported,
-    clearly_better,
-    judge,
 )
 from bondgraph.diagnosis.evidence.gain import Gain, beside_earlier, compare
+from bondgraph.diagnosis.evidence.judged import Judged, Rule, judge
+from bondgraph.diagnosis.evidence.leads import ALIKE, alike, clearly_better
 from bondgraph.diagnosis.evidence.left_out import (
     FOLDS,
     LeftOutErrors,

@@ -16,8 +16,8 @@ from bondgraph.diagnosis.answer.look_alikes import look_alikes
 from bondgraph.diagnosis.answer.separating import Rivalry, designed, left_close
 from bondgraph.diagnosis.candidates import Candidate, propose_all
 from bondgraph.diagnosis.diagnose import Options, diagnose
-from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.evidence.gain import Gain
+from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support, Verdict
 from bondgraph.diagnosis.search.round_found import Round

@@ -6,7 +6,7 @@ import pytest
 from bondgraph import BondGraph, R, Recording, Sf, bind_to
 from bondgraph.diagnosis.answer.found import nearest
 from bondgraph.diagnosis.candidates import Candidate
-from bondgraph.diagnosis.evidence.decision import Rule, judge
+from bondgraph.diagnosis.evidence.judged import Rule, judge
 from bondgraph.diagnosis.evidence.left_out import chunk_count, left_out_errors
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.records import Support

@@ -9,8 +9,8 @@ import pytest
 from rubbing_slider import slider
 
 from bondgraph import Recording, bind_to, diagnose
-from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.evidence.gain import Gain
+from bondgraph.diagnosis.evidence.judged import Rule
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.options import Options

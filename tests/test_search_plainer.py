@@ -12,8 +12,8 @@ from bondgraph.diagnosis.answer.notes import notes_on
 from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.evidence import addition
 from bondgraph.diagnosis.evidence.addition import LEFT_OPEN, NOTHING, seen_again
-from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.evidence.gain import Gain
+from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.options import Options

@@ -6,7 +6,7 @@ from rubbing_slider import proposed, slider
 
 from bondgraph import Recording, bind_to
 from bondgraph.diagnosis.candidates import propose_all
-from bondgraph.diagnosis.evidence.decision import Rule
+from bondgraph.diagnosis.evidence.judged import Rule
 from bondgraph.diagnosis.search.revising.removal import fitted_with, pruned
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.drag import QuadraticDrag

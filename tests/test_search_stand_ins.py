@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from bondgraph.diagnosis.evidence.decision import Rule
+from bondgraph.diagnosis.evidence.judged import Rule
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.search.pairs.pair_fits import Pair
 from bondgraph.diagnosis.search.pairs.stand_ins import instead_of

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from bondgraph.diagnosis.evidence.decision import Judged, clearly_better
+from bondgraph.diagnosis.evidence.judged import Judged
+from bondgraph.diagnosis.evidence.leads import clearly_better
 from bondgraph.diagnosis.records import Evidence, Support
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.round_found import Round

@@ -7,8 +7,9 @@ from bondgraph.diagnosis.answer.evidence_shown import hardly_supported, shown
 from bondgraph.diagnosis.answer.wording import finding_statement
 from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence.confidence import beyond_resampling
-from bondgraph.diagnosis.evidence.decision import Judged, alternatives_to
+from bondgraph.diagnosis.evidence.decision import alternatives_to
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE
+from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.records import Finding, Support
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.revising.curve_beside import BetterCurve, better_curve

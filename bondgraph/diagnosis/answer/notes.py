@@ -7,7 +7,7 @@ from typing import Any
 
 from bondgraph.diagnosis.answer.evidence_shown import wider_than_chosen
 from bondgraph.diagnosis.answer.wording import listed
-from bondgraph.diagnosis.evidence.decision import Judged
+from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.round_found import Round, made_in
 from bondgraph.diagnosis.work.limit import OUT_OF_TIME

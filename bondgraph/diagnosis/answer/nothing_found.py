@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
-from bondgraph.diagnosis.evidence.decision import Judged, Rule, is_by_itself
+from bondgraph.diagnosis.evidence.judged import Judged, Rule, is_by_itself
 from bondgraph.diagnosis.evidence.leftover import (
     ADEQUATE_RATIO,
     residual_over_noise,

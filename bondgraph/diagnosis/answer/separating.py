@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bondgraph.diagnosis.evidence.decision import Judged
+from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.experiment.next_experiment import next_experiment
 from bondgraph.diagnosis.experiment.records import Experiment, ExperimentStatus
 from bondgraph.diagnosis.records import Support, Verdict

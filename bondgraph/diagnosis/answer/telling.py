@@ -18,7 +18,7 @@ from bondgraph.diagnosis.answer.stated import at_bounds, contradicted
 from bondgraph.diagnosis.answer.untried import untried
 from bondgraph.diagnosis.answer.wording import next_experiment
 from bondgraph.diagnosis.candidates import Candidate
-from bondgraph.diagnosis.evidence.decision import Judged
+from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.evidence.leftover import noise_floor
 from bondgraph.diagnosis.records import Comparison, Diagnosis
 from bondgraph.diagnosis.search.base.horizons import refitted

@@ -6,7 +6,7 @@ from bondgraph.diagnosis.adequacy.records import Adequacy
 from bondgraph.diagnosis.answer.doubt import is_hollow
 from bondgraph.diagnosis.answer.nothing_found import without_findings
 from bondgraph.diagnosis.candidates import CURVE
-from bondgraph.diagnosis.evidence.decision import Rule
+from bondgraph.diagnosis.evidence.judged import Rule
 from bondgraph.diagnosis.evidence.numbers import ERRORS
 from bondgraph.diagnosis.records import Comparison, Finding, Support, Verdict
 from bondgraph.diagnosis.search.base.horizons import SAME

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 
-from bondgraph.diagnosis.evidence.decision import Judged
+from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.experiment.records import Experiment
 from bondgraph.diagnosis.records import Finding
 from bondgraph.fitting.estimate import FittedModel

@@ -7,7 +7,7 @@ part of a friction that grows with it is not known, and the growth may be all of
 from collections.abc import Sequence
 from dataclasses import replace
 
-from bondgraph.diagnosis.evidence.decision import Judged
+from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.records import Support
 from bondgraph.fitting.estimate import FittedModel, report
 from bondgraph.recordings.binding import BoundRecording

@@ -18,14 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.candidates import CURVE
-from bondgraph.diagnosis.evidence.decision import (
-    Judged,
-    Rule,
-    best_as_simple,
-    best_predictors,
-    is_meant,
-)
+from bondgraph.diagnosis.evidence.decision import best_as_simple, best_predictors
 from bondgraph.diagnosis.evidence.gain import reduction
+from bondgraph.diagnosis.evidence.judged import Judged, Rule
+from bondgraph.diagnosis.evidence.leads import is_meant
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
 

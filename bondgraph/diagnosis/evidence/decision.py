@@ -1,133 +1,25 @@
 """Which candidate to believe, if any; calibrated rather than impressive.
 
-A candidate is *supported* when its gain on left-out chunks is significant after the
-number of candidates tried, and material. Among those not clearly worse than the best
-the simplest wins; the others stay on record as alternatives.
+Among those supported that are not clearly worse than the best the simplest wins; the
+others stay on record as alternatives.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-from bondgraph.diagnosis.candidates import CURVE, Candidate
-from bondgraph.diagnosis.evidence.gain import Gain, compare, reduction
-from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
+from bondgraph.diagnosis.candidates import CURVE
+from bondgraph.diagnosis.evidence.judged import Judged, Rule, is_by_itself
+from bondgraph.diagnosis.evidence.leads import alike, clearly_better, extends
 from bondgraph.diagnosis.records import Support
-from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.names import name_of
 
-ALIKE = 0.02
-BENT = 0.25
-"""Of what a law leaves beyond the noise, so much it may owe to bending towards it."""
-SHADE = 0.0025
-"""A wider law that takes away no more than this share beyond the narrower one at the
-same place (5 % of its size) is a shade of that, as any offset is: a judgement.
-"""
 TIE = 1e-6
 """Left-out errors closer than this share differ by rounding."""
+
 NEARLY_AS_GOOD = "hardly less than a supported law with more parameters"
+
 NAMED_SHARE = 0.8
 """A named law must give this share of what a free curve gives, or the curve is told."""
-
-
-TYPICAL = {
-    "hydraulic": frozenset({"square_root_orifice", "leak", "overflow"}),
-    "electrical": frozenset({"voltage_drop", "saturating_inertia"}),
-    "thermal": frozenset({"lag", "radiation", "leak"}),
-    "rotation": frozenset({"coulomb_friction", "load_dependent_friction"}),
-    "translation": frozenset({"coulomb_friction"}),
-}
-"""What models of each domain leave out most often, and so the first thing to say."""
-
-
-@dataclass(frozen=True, slots=True)
-class Rule:
-    """The thresholds of a decision.
-
-    Parameters
-    ----------
-    false_alarm_probability
-        Chance, per round, of accepting anything when nothing is missing.
-    materiality
-        Least relative reduction of the squared error that is worth a finding.
-    order
-        Physics from plain to particular: of laws that predict alike, the first is told.
-    """
-
-    false_alarm_probability: float = 0.01
-    materiality: float = 0.1
-    order: tuple[str, ...] = tuple(physics.word for physics in LIBRARY)
-
-    def plainness(self, judged: "Judged") -> tuple[bool, int]:
-        """Return how far-fetched the physics is: what is typical of a domain comes
-        first, then what comes first in the library.
-        """  # noqa: D205  (one sentence)
-        known = judged.physics in self.order
-        place = self.order.index(judged.physics) if known else len(self.order)
-        typical = TYPICAL.get(judged.domain, frozenset())
-        return judged.physics not in typical, place
-
-
-@dataclass(frozen=True, slots=True)
-class Judged:
-    """A candidate with its left-out errors and what follows from them.
-
-    Parameters
-    ----------
-    open
-        Whether the final fit does not tell what it adds to a plainer law that is told.
-    """
-
-    candidate: Candidate
-    errors: LeftOutErrors
-    gain: Gain
-    support: Support
-    reason: str
-    open: bool = False
-
-    @property
-    def physics(self) -> str:
-        """The word for the physics."""
-        return self.candidate.hypothesis.physics
-
-    @property
-    def domain(self) -> str:
-        """The name of the domain there; empty where the place has none."""
-        domains = self.candidate.fitted.graph.domains_at(self.place)
-        return domains[0].name if domains else ""
-
-    @property
-    def place(self) -> str:
-        """The place."""
-        return self.candidate.hypothesis.place
-
-
-def judge(
-    candidate: Candidate,
-    base: LeftOutErrors,
-    errors: LeftOutErrors,
-    tried: float,
-    rule: Rule,
-) -> Judged:
-    """Return what the left-out chunks say of one candidate among `tried`."""
-    gain = compare(base, errors)
-    corrected = gain.p_value * max(tried, 1.0)
-    enough = gain.value >= rule.materiality
-    sure = corrected <= rule.false_alarm_probability
-    if enough and sure:
-        support, reason = Support.SUPPORTED, f"reduces the left-out error by {gain}"
-    elif gain.value <= 0.0 or gain.value + 2 * gain.std < rule.materiality:
-        support = Support.REFUTED
-        reason = f"changes the left-out error by {gain}, too little to matter"
-    elif enough:
-        support = Support.UNDECIDED
-        reason = f"{gain} is not significant among {tried:.0f} candidates"
-    elif sure:
-        support = Support.UNDECIDED
-        reason = f"{gain} may be too little to matter"
-    else:
-        support = Support.UNDECIDED
-        reason = f"{gain} could be nothing"
-    return Judged(candidate, errors, gain, support, reason)
 
 
 def with_plainer(judged: Sequence[Judged], rule: Rule) -> tuple[Judged, ...]:
@@ -173,14 +65,6 @@ def _held_back(wider: Judged, judged: Sequence[Judged], rule: Rule) -> Judged:
         "which is too little to matter"
     )
     return replace(wider, support=Support.REFUTED, reason=reason)
-
-
-def is_by_itself(judged: Judged, rule: Rule) -> bool:
-    """Return whether an undecided law would be supported, had it been tried alone."""
-    gain = judged.gain
-    enough = gain.value >= rule.materiality
-    sure = gain.p_value <= rule.false_alarm_probability
-    return judged.support is Support.UNDECIDED and enough and sure
 
 
 def _hardly_beaten(plainer: Judged, other: Judged, rule: Rule) -> bool:
@@ -290,54 +174,6 @@ def _variables(judged: Judged) -> int:
     return len(judged.candidate.hypothesis.depends_on)
 
 
-def clearly_better(better: Judged, worse: Judged, rule: Rule) -> bool:
-    """Return whether `better` beats `worse` by two standard errors and materially.
-
-    Half the materiality of a finding separates two findings. And what even the better
-    one leaves is physics that is still missing: a law with a freedom that suits it
-    leads without being the cause, so that the lead must be large beside it. A wider law
-    is not better for a shade; what else makes that is looked for beside the narrower.
-    """
-    if better is worse or _is_a_shade_of(better, worse):
-        return False
-    less, std = reduction(worse.errors, better.errors)
-    return less > _lead(std, better.errors, worse.errors, rule)
-
-
-def _is_a_shade_of(wider: Judged, narrower: Judged) -> bool:
-    """Return whether a law contains another and takes away next to nothing more."""
-    if wider.place != narrower.place or not extends(wider, narrower):
-        return False
-    more = wider.gain.value - narrower.gain.value
-    return 0.0 <= more <= SHADE * narrower.gain.value
-
-
-def _lead(std: float, better: LeftOutErrors, worse: LeftOutErrors, rule: Rule) -> float:
-    """Return the share of the worse one's error by which a lead is clear.
-
-    Parameters
-    ----------
-    std
-        The standard error of the lead.
-    """
-    whole = max(float(worse.chunks.sum()), 1e-300)
-    bent = BENT * better.beyond_noise / whole
-    return max(2.0 * std, rule.materiality / 2, bent)
-
-
-def alike(one: Judged, other: Judged) -> bool:
-    """Return whether two candidates predict alike.
-
-    To 2 % of what noise does not excuse of the left-out error, or to one standard error
-    of the difference (Breiman, Friedman, Olshen and Stone, *Classification and
-    Regression Trees*, 1984, 3.4.3). Where both leave little but noise, little tells.
-    """
-    less, std = reduction(other.errors, one.errors)
-    whole = max(float(other.errors.chunks.sum()), 1e-300)
-    beyond = other.errors.beyond_noise / whole
-    return abs(less) <= max(ALIKE * beyond, std)
-
-
 def alternatives_to(
     chosen: Judged, judged: Sequence[Judged], rule: Rule
 ) -> tuple[Judged, ...]:
@@ -356,26 +192,3 @@ def alternatives_to(
         and not extends(j, chosen)
     ]
     return tuple(sorted(close, key=lambda j: -j.gain.value))
-
-
-def extends(wider: Judged, narrower: Judged) -> bool:
-    """Return whether the wider law contains the narrower one.
-
-    With the same word it does at the same place only: elsewhere, also with more
-    parameters, it is another place that the data do not tell from this one.
-    """
-    if wider.physics != narrower.physics:
-        return narrower.physics in wider.candidate.hypothesis.extends
-    more = wider.candidate.complexity > narrower.candidate.complexity
-    return more and wider.place == narrower.place
-
-
-def is_meant(other: Judged, chosen: Judged, rule: Rule) -> bool:
-    """Return whether a law counts as the chosen one, or contains it.
-
-    The same physics does where it sits there for all that one can tell.
-    """
-    if extends(other, chosen):
-        return True
-    near = other.place == chosen.place or not clearly_better(chosen, other, rule)
-    return other.physics == chosen.physics and near

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate
-from bondgraph.diagnosis.evidence.decision import Rule
+from bondgraph.diagnosis.evidence.judged import Rule
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.considered import Setting
 from bondgraph.diagnosis.search.pairs.together import explained, two_rounds

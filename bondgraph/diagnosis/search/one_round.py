@@ -15,7 +15,7 @@ from bondgraph.diagnosis.candidates import (
     Candidate,
     Rejected,
 )
-from bondgraph.diagnosis.evidence.decision import Judged
+from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.search.base.beyond_noise import explainable, left_beside
 from bondgraph.diagnosis.search.base.runaway import run_away
 from bondgraph.diagnosis.search.considered import Setting, considered, promising

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from bondgraph.choices import refuse_other
-from bondgraph.diagnosis.evidence.decision import Rule
+from bondgraph.diagnosis.evidence.judged import Rule
 from bondgraph.diagnosis.work.workers import Here, Where
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import FitSettings

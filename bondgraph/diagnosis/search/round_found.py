@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bondgraph.diagnosis.candidates import Candidate, Promised, Rejected
-from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.evidence.gain import beside_earlier
+from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.records import Support
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import Hypothesis

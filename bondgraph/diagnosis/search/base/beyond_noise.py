@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.evidence.decision import Rule
+from bondgraph.diagnosis.evidence.judged import Rule
 from bondgraph.fitting.estimate import FittedModel
 
 Array = NDArray[np.float64]

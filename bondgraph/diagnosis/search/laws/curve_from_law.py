@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate
 from bondgraph.diagnosis.drawn_laws import law_curve
-from bondgraph.diagnosis.evidence.decision import Judged, Rule, judge
+from bondgraph.diagnosis.evidence.judged import Judged, Rule, judge
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.search.base.beyond_noise import explainable
 from bondgraph.diagnosis.search.trials.bench import Bench

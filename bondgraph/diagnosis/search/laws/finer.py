@@ -14,8 +14,8 @@ from dataclasses import replace
 import numpy as np
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate
-from bondgraph.diagnosis.evidence.decision import Judged
 from bondgraph.diagnosis.evidence.gain import compare
+from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, left_out_errors
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.records import Support

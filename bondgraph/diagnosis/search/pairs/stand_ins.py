@@ -7,7 +7,8 @@ the pairs that do as well lead from one to the other.
 from collections.abc import Sequence
 
 from bondgraph.diagnosis.candidates import Candidate
-from bondgraph.diagnosis.evidence.decision import Rule, clearly_better
+from bondgraph.diagnosis.evidence.judged import Rule
+from bondgraph.diagnosis.evidence.leads import clearly_better
 from bondgraph.diagnosis.search.pairs.two import JudgedPair
 
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.evidence.confidence import probability
-from bondgraph.diagnosis.evidence.decision import Judged, Rule
+from bondgraph.diagnosis.evidence.judged import Judged, Rule
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, chunk_count
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.base.beyond_noise import explainable

@@ -11,14 +11,10 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.evidence.decision import (
-    Judged,
-    Rule,
-    alike,
-    best_supported,
-    judge,
-)
+from bondgraph.diagnosis.evidence.decision import best_supported
 from bondgraph.diagnosis.evidence.gain import Gain, compare
+from bondgraph.diagnosis.evidence.judged import Judged, Rule, judge
+from bondgraph.diagnosis.evidence.leads import alike
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, left_out_errors
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.pairs.pair_fits import Pair

@@ -12,11 +12,8 @@ from dataclasses import dataclass, replace
 
 from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence.confidence import probability
-from bondgraph.diagnosis.evidence.decision import (
-    Judged,
-    Rule,
-    clearly_better,
-)
+from bondgraph.diagnosis.evidence.judged import Judged, Rule
+from bondgraph.diagnosis.evidence.leads import clearly_better
 from bondgraph.diagnosis.evidence.left_out import left_out_errors
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.laws.finer import as_fine_as_told

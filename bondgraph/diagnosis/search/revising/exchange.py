@@ -15,12 +15,8 @@ from numpy.typing import NDArray
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate
 from bondgraph.diagnosis.evidence.confidence import probability
-from bondgraph.diagnosis.evidence.decision import (
-    Judged,
-    Rule,
-    clearly_better,
-    judge,
-)
+from bondgraph.diagnosis.evidence.judged import Judged, Rule, judge
+from bondgraph.diagnosis.evidence.leads import clearly_better
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, left_out_errors
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.revising.curve_beside import FAR_MORE

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from bondgraph.diagnosis.evidence.addition import added_strengths, seen_again
-from bondgraph.diagnosis.evidence.decision import Judged, Rule
+from bondgraph.diagnosis.evidence.judged import Judged, Rule
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.base.horizons import sharpened
 from bondgraph.diagnosis.search.options import Options

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bondgraph.diagnosis.evidence.decision import Rule
 from bondgraph.diagnosis.evidence.gain import compare
+from bondgraph.diagnosis.evidence.judged import Rule
 from bondgraph.diagnosis.evidence.left_out import chunk_count, left_out_errors
 from bondgraph.diagnosis.search.trials.posing import initial_states, suited
 from bondgraph.errors import BondGraphError

@@ -8,13 +8,8 @@ from numpy.typing import NDArray
 
 from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.evidence.confidence import probability
-from bondgraph.diagnosis.evidence.decision import (
-    Judged,
-    Rule,
-    best_supported,
-    judge,
-    with_plainer,
-)
+from bondgraph.diagnosis.evidence.decision import best_supported, with_plainer
+from bondgraph.diagnosis.evidence.judged import Judged, Rule, judge
 from bondgraph.diagnosis.evidence.left_out import (
     LeftOutErrors,
     chunk_count,
