@@ -282,6 +282,17 @@ def test_fit_finds_the_parameters_and_writes_the_model(model, recording, tmp_pat
     assert again.parameters["mass"].value == pytest.approx(found["mass"]["value"])
 
 
+def test_fit_says_how_far_it_ended_from_what_is_stated(model, recording, tmp_path):
+    stated = tmp_path / "stated.py"
+    old = 'parameter("mass", 1.0, "kg", bounds=(0.01, 100))'
+    new = f'parameter("mass", {MASS + 0.3}, "kg", std=0.1)'
+    stated.write_text(MODEL.replace(old, new))
+    said = run("fit", stated, recording, "--hold", "zero").stdout
+    (told,) = re.findall(r"how many of it away: mass (\S+)\.\n", said)
+    assert float(told) == pytest.approx(3.0, abs=0.1)
+    assert "how many of it away" not in run("fit", model, recording).stdout
+
+
 def test_export_to_python_makes_the_same_graph(model, tmp_path):
     copy = tmp_path / "copy.py"
     assert run("export", model, "--to", "python", "-o", copy).exit_code == 0

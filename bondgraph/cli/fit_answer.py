@@ -59,6 +59,7 @@ def known(
                     "shows in whole recordings only. Mind that number first."
                 )
     yield from dict.fromkeys(note for one in bound for note in one.notes)
+    yield from _pulled(result, graph)
     yield from _at_bounds(result)
     for name, phi in result.correlation.items():
         yield f"Noise of {name}: neighbouring samples correlate by {phi:.3f}."
@@ -96,6 +97,18 @@ def profile_words(one: Profile) -> str:
     )
     ends = f"{low} to {high} {unit_words(one.unit)}".rstrip()
     return f"Profile of {one.name}: {ends}. {one.status.value}"
+
+
+def _pulled(result: FitResult, graph: FinishedGraph) -> Iterator[str]:
+    """Yield how far what the model states with a std ended from what it states."""
+    told = []
+    for one in result.estimates:
+        stated = graph.parameters[one.name]
+        if stated.value is not None and stated.std:
+            away = abs(one.value - stated.value) / stated.std
+            told.append(f"{one.name} {number_words(away, 2)}")
+    if told:
+        yield f"Stated with a std, and how many of it away: {', '.join(told)}."
 
 
 def _at_bounds(result: FitResult) -> Iterator[str]:
