@@ -9,6 +9,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,11 +18,13 @@ from handmade_diagnosis import cart_diagnosis
 
 from bondgraph import Recording, read_recording
 from bondgraph.cli import demo, diagnosing
+from bondgraph.cli.fit_answer import hold_words
 from bondgraph.cli.inputs import as_options
 from bondgraph.cli.program import COMMANDS, program
 from bondgraph.diagnosis.experiment.records import Experiment, ExperimentStatus
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.loading import load_model
+from bondgraph.simulation.solvers import Hold
 
 MASS, VISCOUS = 2.0, 0.8
 MODEL = """
@@ -280,6 +283,17 @@ def test_fit_finds_the_parameters_and_writes_the_model(model, recording, tmp_pat
         assert found[name]["std"] < 0.02
     again = load_model(f"{fitted}:model")
     assert again.parameters["mass"].value == pytest.approx(found["mass"]["value"])
+
+
+def test_recordings_that_do_not_agree_on_steps_are_told_as_one():
+    steps, waves = (
+        SimpleNamespace(input_names=("force",), inputs=values[:, None])
+        for values in (np.repeat(np.arange(10.0), 20), np.arange(200.0))
+    )
+    said = hold_words(Hold.FIRST, [steps, waves])
+    assert "change from sample to sample, all recordings taken together" in said
+    assert "taken together" not in hold_words(Hold.FIRST, [waves, waves])
+    assert "taken together" not in hold_words(Hold.ZERO, [steps, steps])
 
 
 def test_fit_says_how_far_it_ended_from_what_is_stated(model, recording, tmp_path):

@@ -86,6 +86,8 @@ def hold_words(hold: Hold, recordings: Sequence[BoundRecording]) -> str:
         if held
         else "for they change from sample to sample"
     )
+    if any(go_in_steps([one]) is not held for one in recordings):
+        alike += ", all recordings taken together"
     why = alike if held is go_in_steps(recordings) else "for that fits better"
     return f"Inputs are taken to be {hold.value} between samples, {why} ({option})."
 
