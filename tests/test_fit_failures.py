@@ -130,3 +130,21 @@ def test_a_refit_that_fails_does_not_replace_the_fit_of_a_search(monkeypatch):
     lost = replace(found, optimum=replace(found.optimum, cost=np.inf))
     monkeypatch.setattr(horizons, "fit_model", lambda *_: lost)
     assert horizons.sharpened(found, [run], Options(settings=settings)) is found
+
+
+@pytest.mark.parametrize("iterations", [0, 5])
+def test_a_fit_from_beyond_a_bound_begins_at_it(iterations):
+    # A law of another form may have left a number where this one may not be.
+    graph = runaway()
+    graph = graph.with_parameters([replace(graph.parameters["m"], bounds=(1, 3))])
+    settings = FitSettings(horizon=Windows(50))
+    fitted = fit_model(graph, [recording(graph)], settings)
+    names = fitted.problem.free_names
+    beyond = np.array([{"m": -280.0, "a": GROWTH}[name] for name in names])
+    initial = fitted.optimum.initial
+    found = minimise(fitted.problem, beyond, initial, iterations=iterations)
+    mass = found.theta[names.index("m")]
+    assert 1.0 <= mass <= 3.0
+    assert iterations or mass == 1.0
+    at = linearise_windows(fitted.problem, found.theta, found.initial)
+    np.testing.assert_allclose(found.linearisation.residuals, at.residuals)

@@ -29,7 +29,7 @@ def cart(viscous=0.5):
     g.one("cart", Se("force"), I("mass"), R("viscous"))
     g.measure("speed", flow="cart")
     g.parameter("mass", MASS, "kg", bounds=(1, 5))
-    g.parameter("viscous", viscous, "N*s/m", bounds=(0, 500))
+    g.parameter("viscous", viscous, "N*s/m", bounds=(0, 1e6))
     return g.finish()
 
 
