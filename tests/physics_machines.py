@@ -103,7 +103,7 @@ def dc_drive() -> FinishedGraph:
     )
 
 
-def two_tanks() -> FinishedGraph:
+def _two_tanks() -> BondGraph:
     g = BondGraph("two tanks", domain="hydraulic")
     g.zero("upper", Sf("pump"), C("area_1"))
     g.one("pipe", R("laminar"))
@@ -112,13 +112,25 @@ def two_tanks() -> FinishedGraph:
     g.join("pipe", "lower")
     g.measure("pressure_1", effort="upper")
     g.measure("pressure_2", effort="lower")
-    return known(
-        g,
-        area_1=(0.5, "m^3/Pa"),
-        area_2=(0.5, "m^3/Pa"),
-        laminar=(2.0, "Pa*s/m^3"),
-        drain=(2.0, "Pa*s/m^3"),
-    )
+    return g
+
+
+TANKS = {
+    "area_1": (0.5, "m^3/Pa"),
+    "area_2": (0.5, "m^3/Pa"),
+    "drain": (2.0, "Pa*s/m^3"),
+}
+
+
+def two_tanks() -> FinishedGraph:
+    return known(_two_tanks(), **TANKS, laminar=(2.0, "Pa*s/m^3"))
+
+
+def piped_tanks() -> FinishedGraph:
+    """Two tanks with a pipe between them that is free to be fitted."""
+    g = _two_tanks()
+    g.parameter("laminar", 2.0, "Pa*s/m^3")
+    return known(g, **TANKS)
 
 
 def draining_tank() -> FinishedGraph:
@@ -128,23 +140,6 @@ def draining_tank() -> FinishedGraph:
     g.measure("pressure", effort="tank")
     g.parameter("area", 0.5, "m^3/Pa", std=0.0)
     g.parameter("outlet", 2.0, "Pa*s/m^3")
-    return g.finish()
-
-
-def piped_tanks() -> FinishedGraph:
-    """Two tanks with a pipe between them that is free to be fitted."""
-    g = BondGraph("piped tanks", domain="hydraulic")
-    g.zero("upper", Sf("pump"), C("area_1"))
-    g.one("pipe", R("laminar"))
-    g.zero("lower", C("area_2"), R("drain"))
-    g.join("upper", "pipe")
-    g.join("pipe", "lower")
-    g.measure("pressure_1", effort="upper")
-    g.measure("pressure_2", effort="lower")
-    for name in ("area_1", "area_2"):
-        g.parameter(name, 0.5, "m^3/Pa", std=0.0)
-    g.parameter("laminar", 2.0, "Pa*s/m^3")
-    g.parameter("drain", 2.0, "Pa*s/m^3", std=0.0)
     return g.finish()
 
 

@@ -133,6 +133,25 @@ def test_sentences_follow_from_hessians_by_hand():
     )
 
 
+@pytest.mark.parametrize(
+    ("others", "told"),
+    [
+        ([], "1 combination: state 2 of them to know the rest"),
+        ([lambda a, b, c: (0.0, 1.0, 2.0 * c)], "2 combinations: state one of them"),
+    ],
+)
+def test_what_is_no_product_and_no_sum_says_what_to_state(others, told):
+    def at(a, b, c):
+        """a b + c shows, and what else is asked for."""
+        slopes = [(b, a, 1.0), *(other(a, b, c) for other in others)]
+        jacobian = np.array(slopes)
+        return Local(np.array([a, b, c]), jacobian.T @ jacobian)
+
+    points = [at(1.0, 2.0, 3.0), at(1.3, 1.7, 2.0), at(0.8, 2.9, 4.0)]
+    *_, said = combination_sentences(("a", "b", "c"), points, "here")
+    assert said.startswith(f"a, b and c only in {told}")
+
+
 def test_a_step_that_is_too_coarse_is_said():
     graph = spring_mass()
     recording = spring_mass_recording(graph, noise=1e-6)

@@ -4,6 +4,7 @@ Two drives push one carriage; both have dry friction. What is left out at one is
 out at the other: that is one supposition among few, not one among all pairs of laws.
 """
 
+import re
 import sys
 
 import numpy as np
@@ -20,6 +21,9 @@ from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.dynamics import Lag
 from bondgraph.physics.friction import CoulombFriction
 from bondgraph.physics.library import LIBRARY
+from bondgraph.physics.orifice import SquareLaw
+from bondgraph.physics.places.everywhere import all_places
+from bondgraph.physics.places.scales import Scales
 
 FRICTION = {"left": 0.8, "right": 1.3}
 
@@ -111,12 +115,28 @@ def test_no_more_are_left_out_than_are_too_many(base, monkeypatch):
 
 
 def test_kindred_laws_are_of_one_form(base):
+    """An upper limit of one sensor and a lower one of the other are two laws."""
     for one, other in kindred(base.graph, propose_all(base, LIBRARY)):
         mine, its = (
-            [name.replace(law.place, "") for name in law.parameters]
+            [re.sub("left|right", "", name) for name in law.parameters]
             for law in (one, other)
         )
         assert mine == its
+
+
+def test_a_law_that_is_called_by_its_element_is_kindred_too():
+    g = BondGraph("two tanks", domain="hydraulic")
+    for n in "12":
+        g.zero(f"tank{n}", Sf(f"pump{n}"), C(f"area{n}"), R(f"outlet{n}"))
+        g.measure(f"level{n}", effort=f"tank{n}")
+        g.parameter(f"area{n}", 0.5, "m^3/Pa")
+        g.parameter(f"outlet{n}", 2.0, "Pa*s/m^3")
+    graph = g.finish()
+    places = all_places(graph, Scales())
+    laws = [law for place in places for law in SquareLaw().propose(place)]
+    ((one, other),) = kindred(graph, laws)
+    assert (one.place, other.place) == ("tank1", "tank2")
+    assert "outlet1_flow_tank1" in one.parameters
 
 
 def test_what_is_read_at_a_bond_has_places_built_alike_too():

@@ -103,12 +103,15 @@ def profile_words(one: Profile) -> str:
 
 def _pulled(result: FitResult, graph: FinishedGraph) -> Iterator[str]:
     """Yield how far what the model states with a std ended from what it states."""
-    told = []
-    for one in result.estimates:
-        stated = graph.parameters[one.name]
-        if stated.value is not None and stated.std:
-            away = abs(one.value - stated.value) / stated.std
-            told.append(f"{one.name} {number_words(away, 2)}")
+    ended = [
+        (one.name, one.away_from(graph.parameters[one.name]))
+        for one in result.estimates
+    ]
+    told = [
+        f"{name} {number_words(abs(away), 2)}"
+        for name, away in ended
+        if away is not None
+    ]
     if told:
         yield f"Stated with a std, and how many of it away: {', '.join(told)}."
 

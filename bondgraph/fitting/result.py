@@ -1,5 +1,6 @@
 """What a fit answers: status, estimates, and what the data cannot identify."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -7,6 +8,7 @@ from enum import StrEnum
 from bondgraph.fitting.certainty.solver_error import SolverError
 from bondgraph.fitting.fitted import FittedModel
 from bondgraph.structure.graph import FinishedGraph
+from bondgraph.structure.parameters import Parameter
 
 
 class FitStatus(StrEnum):
@@ -37,6 +39,15 @@ class Estimate:
     unit: str
     start: float | None
     interval: tuple[float, float] | None = None
+
+    def away_from(self, stated: Parameter) -> float | None:
+        """Return how many standard deviations, of both, it ended from a stated value.
+
+        Negative below it; None where no value is stated with a standard deviation.
+        """
+        if stated.value is None or not stated.std:
+            return None
+        return (self.value - stated.value) / math.hypot(stated.std, self.std or 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -15,6 +15,7 @@ from bondgraph.fitting.result import Estimate
 from bondgraph.structure.elements import Compliance, Inertance, Node, Resistance
 from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.nodes import parameters_of
+from bondgraph.structure.parameters import Parameter
 from bondgraph.structure.signals import parameters_in
 
 FAR = 5.0
@@ -36,12 +37,9 @@ def contradicted(
     found = []
     for estimate in estimates:
         stated = graph.parameters.get(estimate.name)
-        if stated is None or not stated.std or stated.value is None:
-            continue
-        spread = math.hypot(stated.std, estimate.std or 0.0)
-        away = (estimate.value - stated.value) / spread
-        if abs(away) > FAR:
-            found.append(_finding(graph, estimate, stated.value, stated.std, away))
+        away = None if stated is None else estimate.away_from(stated)
+        if stated is not None and away is not None and abs(away) > FAR:
+            found.append(_finding(graph, estimate, stated, away))
     return tuple(found)
 
 
@@ -86,7 +84,7 @@ def _unit_of(estimate: Estimate) -> str:
 
 
 def _finding(
-    graph: FinishedGraph, estimate: Estimate, value: float, std: float, away: float
+    graph: FinishedGraph, estimate: Estimate, stated: Parameter, away: float
 ) -> Finding:
     node = next((n for n in graph.nodes if estimate.name in parameters_of(n)), None)
     name = _reader(graph, estimate.name) if node is None else node.name
@@ -95,15 +93,15 @@ def _finding(
     if estimate.std is not None:
         needed = to_digits_of(estimate.value, estimate.std)
     return Finding(
-        physics=_word(node, estimate.value > value),
+        physics=_word(node, away > 0.0),
         place=name,
         element=name,
         statement=(
             f"{estimate.name} is not what it is said to be: the recordings need "
             f"{needed}{unit}, {abs(away):.0f} standard deviations "
-            f"from the stated {value:.4g} ± {std:.2g}{unit}. That is a value and not a "
-            f"law: either the number is wrong, or something acts beside {name} that "
-            "does the same."
+            f"from the stated {stated.value:.4g} ± {stated.std:.2g}{unit}. That is a "
+            "value and not a law: either the number is wrong, or something acts beside "
+            f"{name} that does the same."
         ),
         law=f"{estimate.name} = {estimate.value:.6g}",
         indistinguishable_places=tuple(

@@ -73,12 +73,11 @@ def probability(
     rivals = [j for j in judged if j.support is Support.SUPPORTED and j is not chosen]
     rivals = [replace(chosen, support=Support.SUPPORTED), *rivals]
     meant = [True, *(is_meant(j, chosen, rule) for j in rivals[1:])]
-    n = base.chunks.size
+    named, n = chosen.physics != CURVE, base.chunks.size
     won = 0.0
     for drawn in np.random.default_rng(SEED).integers(0, n, (RESAMPLES, n)):
         before = LeftOutErrors(base.chunks[drawn])
         again = [_judged_again(one, before, drawn) for one in rivals]
-        named = chosen.physics != CURVE
         best = best_as_simple(again, rule) if named else best_predictors(again)
         won += _share_of(best, list(compress(again, meant)), rule)
     return won / RESAMPLES

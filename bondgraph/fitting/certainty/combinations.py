@@ -257,7 +257,7 @@ def _unnamed(names: Sequence[str], null: Array, where: str) -> str:
         have = "has" if len(moving) == 1 else "have"
         return f"{listed(moving)} {have} hardly any effect on {where}"
     several = f"{fewer} combination{'s' if fewer != 1 else ''}"
-    stated = ("one", "two", "three")[len(null) - 1] if len(null) <= 3 else len(null)
+    stated = "one" if len(null) == 1 else len(null)
     return (
         f"{listed(moving)} only in {several}: state {stated} of them to know the rest"
     )

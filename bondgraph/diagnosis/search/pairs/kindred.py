@@ -5,6 +5,7 @@ one is often left out at the other, and alone neither may help, for the other's 
 bends all numbers. So the same law at two like places is also tried as one.
 """
 
+import re
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -110,8 +111,14 @@ def _edits(one: Hypothesis) -> tuple[SingleEdit, ...]:
 
 def _kind(graph: FinishedGraph, one: Hypothesis) -> Hashable:
     """Return what two hypotheses have in common whose laws and places are alike."""
-    own = tuple((p.name.replace(one.place, ""), p.unit) for p in one.edit.parameters)
+    own = tuple((_stem(graph, one, p.name), p.unit) for p in one.edit.parameters)
     return one.physics, own, len(one.starts), _built(graph, one.place)
+
+
+def _stem(graph: FinishedGraph, one: Hypothesis, name: str) -> str:
+    """Return what is left of a parameter's name without what it is named after."""
+    after = sorted({*graph.by_name, one.place}, key=len, reverse=True)
+    return re.sub("|".join(map(re.escape, after)), "", name)
 
 
 def _built(graph: FinishedGraph, place: str) -> Hashable:
