@@ -32,6 +32,7 @@ from bondgraph.fitting.noise import AutoregressiveNoise
 from bondgraph.fitting.posing import pose, prepare
 from bondgraph.fitting.problem import linearise_windows
 from bondgraph.fitting.result import FitStatus
+from bondgraph.fitting.solving import solve
 from bondgraph.simulation.solvers import Hold, RungeKutta4
 
 # dv/dt = (force + a v³) / m leaves every bound in finite time once v is large.
@@ -84,6 +85,19 @@ def test_a_window_that_fails_costs_infinitely_and_moves_no_other(choices, correl
     optimum = minimise(problem, theta, broken)
     assert not optimum.converged
     assert optimum.cost == np.inf
+
+
+def test_windows_that_run_away_from_what_their_first_samples_suggest_begin_at_rest():
+    # How warm a wire is no sample shows before a current flows: it looks like anything.
+    graph, windows = runaway(), Windows(50)
+    settings = FitSettings(horizon=windows)
+    shots = cut([recording(graph)], windows)
+    problem = pose(graph, prepare(graph), shots, settings)
+    suggested = np.full((problem.shots.n_windows, 1), 0.2)
+    suggested[1] = 1e4
+    optimum, usual = solve(problem, initial=suggested), solve(problem)
+    assert optimum.cost == pytest.approx(usual.cost, rel=1e-6)
+    np.testing.assert_allclose(optimum.initial, usual.initial, rtol=1e-4, atol=1e-6)
 
 
 def test_a_model_that_never_runs_says_so():

@@ -160,7 +160,8 @@ class Diagnosis:
         The base model and the improved one, fitted to the training recordings.
     fit_all
         The improved model refitted on all recordings once everything was chosen and
-        shown; the one to use from here. None where time ran out.
+        shown; the one to use from here. None where time ran out, or where a note says
+        that it could not be fitted so.
     next_experiment
         In words, what would separate what could not be told apart; empty where
         everything was.

@@ -7,7 +7,7 @@ from bondgraph.fitting.first_states import first_guess
 from bondgraph.fitting.growing import first_windows, grow
 from bondgraph.fitting.levenberg_marquardt import Optimum, minimise
 from bondgraph.fitting.multiple_shooting import shoot_multiply
-from bondgraph.fitting.problem import FitProblem
+from bondgraph.fitting.problem import FitProblem, Linearisation, write_windows
 from bondgraph.fitting.settling import settle
 from bondgraph.fitting.starts import Starts, start_values
 from bondgraph.fitting.steps import total_cost
@@ -42,12 +42,28 @@ def solve(
     start = problem.start[problem.free] if theta is None else theta
     states = initial if initial is not None else first_guess(problem, start)
     states, here = settle(problem, start, states)
+    if not np.isfinite(here.cost).all():
+        states, here = _from_rest_where_lost(problem, start, states, here)
     warm = None if strategy is None else approach(problem, start, strategy)
     if warm is not None:
         warm_states, there = settle(problem, *warm)
         if not total_cost(problem, here, start) <= total_cost(problem, there, warm[0]):
             start, states = warm[0], warm_states
     return minimise(problem, start, states, iterations=iterations, tolerance=tolerance)
+
+
+def _from_rest_where_lost(
+    problem: FitProblem, theta: Array, states: Array, here: Linearisation
+) -> tuple[Array, Linearisation]:
+    """Return states and costs with the windows that cannot be simulated begun at rest.
+
+    What the first samples hardly show (how warm a wire is, before any current flows)
+    they may suggest to be anything, and from there the whole window runs away.
+    """
+    lost = ~np.isfinite(here.cost)
+    at_rest, there = settle(problem, theta, np.where(lost[:, None], 0.0, states))
+    write_windows(here, problem.shots.edges, np.arange(len(lost)), there, lost)
+    return np.where(lost[:, None], at_rest, states), here
 
 
 def solve_from(

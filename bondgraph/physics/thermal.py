@@ -48,7 +48,7 @@ class Radiation(AbstractPhysics):
         yield self.hypothesis(place, edit, law, (k, room, zero), words)
 
 
-FILAMENTS_WARM, BODIES_WARM = 0.05, 2.0
+FILAMENTS_WARM, BODIES_WARM = 0.01, 2.0
 """Seconds: no wire is warm sooner than the first; no bearing, damper or filter is warm,
 or dirty, sooner than the second.
 """

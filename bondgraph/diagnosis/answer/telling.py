@@ -28,7 +28,7 @@ from bondgraph.diagnosis.search.round_found import Round, accepted
 from bondgraph.fitting.estimate import FittedModel, report
 from bondgraph.fitting.fine_steps import told_finely
 from bondgraph.fitting.long_runs import simulate_stretches, simulate_whole
-from bondgraph.fitting.result import FitResult
+from bondgraph.fitting.result import FitResult, FitStatus
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
 
@@ -37,6 +37,11 @@ HARDLY = 0.9
 
 DRAWN_RIVALS = 4
 """How many other laws are drawn over the cloud of a recovered one."""
+
+NOT_TOGETHER = (
+    "The model could not be fitted to all recordings together; it is handed on as "
+    "fitted to those that train."
+)
 
 BETTER = 0.9
 """Whole recordings below this share of the error are clearly better simulated."""
@@ -70,6 +75,7 @@ def answer(
     )
     everything = (*recordings, *held_out)
     close = left_close(rounds, others, verdict)
+    everywhere = None if late else _delivered(graph, final, everything, options)
     experiment, undesigned = (
         (None, ()) if close is None else designed(close, recordings)
     )
@@ -92,7 +98,7 @@ def answer(
         blame=_blame(rounds[0]),
         fit_before=before,
         fit_after=after,
-        fit_all=None if late else _delivered(graph, final, everything, options),
+        fit_all=everywhere,
         traces=traces(base, final, held_out),
         recovered=tuple(law for law in laws if law is not None),
         notes=(
@@ -100,6 +106,7 @@ def answer(
             *undesigned,
             *look_alikes(findings, base, recordings),
             *untried(graph, verdict),
+            *(() if late or everywhere is not None else (NOT_TOGETHER,)),
             *notes_on(rounds, after, options),
         ),
         complete=not late,
@@ -140,10 +147,11 @@ def _delivered(
     final: FittedModel,
     everything: Sequence[BoundRecording],
     options: Options,
-) -> FitResult:
+) -> FitResult | None:
     """Return the final model refitted on everything recorded, to be used from here.
 
-    Its estimates tell the user's own start values, where the user's model has them.
+    None where that cannot be simulated. The estimates tell the user's own start values,
+    where the user's model has them.
     """
     settings = replace(
         options.settings,
@@ -151,7 +159,8 @@ def _delivered(
         solver=final.problem.solver,
         hold=final.problem.hold,
     )
-    return report(refitted(final, everything, settings), start, everything)
+    fitted = report(refitted(final, everything, settings), start, everything)
+    return None if fitted.status is FitStatus.SIMULATION_FAILED else fitted
 
 
 def _over_stretches(
