@@ -24,6 +24,7 @@ from bondgraph import (
     Sdirk2,
     Se,
     WholeRecordings,
+    displacement,
     fit,
     q,
 )
@@ -84,6 +85,23 @@ def test_dampers_side_by_side_are_known_as_their_sum():
     assert fitted.estimate("b_1").interval is None
     total = sum(fitted.estimate(name).value for name in ("b_1", "b_2"))
     assert total == pytest.approx(1.5, rel=0.02)
+
+
+def test_a_zero_that_springs_may_have_begun_with_is_told_to_be_so():
+    # Two springs side by side may each begin as stretched as the other is pressed.
+    g = BondGraph("cone in a box", domain="translation")
+    g.one("cone", Se("force"), I("m"), R("b"), C("edge"), C("air"))
+    g.measure("x", displacement("edge") + sympy.Symbol("zero"), unit="m")
+    for name, value, unit in (
+        ("m", 1.0, "kg"), ("b", 0.5, "N*s/m"), ("edge", 0.05, "m/N"), ("zero", 0, "m"),
+    ):  # fmt: skip
+        g.parameter(name, value, unit)
+    g.parameter("air", 0.1, "m/N", std=0.0)
+    fitted = fit(g.finish(), [spring_mass_recording(g.finish())], settings=WHOLE)
+    assert fitted.unidentifiable == (
+        "zero cannot be told from the states in which recordings begin",
+    )
+    assert fitted.estimate("edge").interval is not None
 
 
 def test_a_gear_and_what_lies_behind_it_are_known_as_products():

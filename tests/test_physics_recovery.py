@@ -78,6 +78,7 @@ CASES = [
     Case("wheel", "CoulombFriction", "shaft", {"coulomb": 0.2}),
     Case("dc_drive", "VoltageDrop", "winding", {"drop": 0.3}),
     Case("geared_arm", "LoadDependentFriction", "joint", {"mu": 0.15}),
+    Case("two_masses", "LoadDependentFriction", "second", {"mu": 0.15}),
     Case(
         "geared_arm",
         "LoadDependentFriction",

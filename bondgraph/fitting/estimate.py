@@ -275,7 +275,18 @@ def _unidentifiable(fitted: FittedModel, known: Uncertainty) -> tuple[str, ...]:
     words = {word for sentence in told for word in re.findall(r"\w+", sentence)}
     # What acts nearby may act on nothing just where the fit has ended.
     silent = (n for n, s in zip(names, known.std, strict=True) if not math.isfinite(s))
-    return (*told, *(f"{n} acts on nothing there" for n in silent if n not in words))
+    told = (*told, *(f"{n} acts on nothing there" for n in silent if n not in words))
+    effect = np.einsum("wii->i", optimum.linearisation.hessian)
+    acting = [n for n, own in zip(names, effect, strict=False) if own > 0.0]
+    return tuple(_of_beginnings(sentence, acting) for sentence in told)
+
+
+def _of_beginnings(sentence: str, acting: Sequence[str]) -> str:
+    """Return what to say of a number that acts, as other initial states would too."""
+    for name in acting:
+        if sentence.startswith((f"{name} has no effect", f"{name} acts on nothing")):
+            return f"{name} cannot be told from the states in which recordings begin"
+    return sentence
 
 
 def _status(problem: FitProblem, optimum: Optimum, known: Uncertainty) -> FitStatus:

@@ -20,6 +20,7 @@ from bondgraph.structure.elements import (
     Gyrator,
     Resistance,
     Transformer,
+    ZeroJunction,
 )
 from bondgraph.structure.signals import effort
 
@@ -102,12 +103,14 @@ def _loads(place: OneJunctionPlace) -> tuple[_Load, ...]:
     """Return at most two efforts that may load the contact.
 
     What a two-port carries on comes first; where the chain ends, what arrives less the
-    friction itself is the same thing; then what arrives, then driven sources.
+    friction itself is the same thing; then what arrives, then driven sources, then
+    what parts beside this one share (the torque of a shaft that ends here).
     """
     graph = place.graph
     outward: list[_Load] = []
     inward: list[_Load] = []
     driven: list[_Load] = []
+    shared: list[_Load] = []
     for bond in graph.bonds_at(place.name):
         other = graph.node(bond.other(place.name))
         load = _Load(bond.name)
@@ -115,5 +118,7 @@ def _loads(place: OneJunctionPlace) -> tuple[_Load, ...]:
             (outward if bond.tail == place.name else inward).append(load)
         elif isinstance(other, EffortSource | FlowSource) and other.value is None:
             driven.append(load)
+        elif isinstance(other, ZeroJunction):
+            shared.append(load)
     passed = [] if outward else [_Load(load.bond, less_own=True) for load in inward]
-    return (*outward, *passed, *inward, *driven)[:2]
+    return (*outward, *passed, *inward, *driven, *shared)[:2]
