@@ -235,3 +235,34 @@ def test_a_law_with_a_name_need_do_no_better_than_a_curve(best, seen, error, tak
 
 def test_where_nothing_was_found_a_named_law_has_to_be_clearly_better():
     assert not looks.is_better(seen_with("compliance"), 0.95, seen_with(), 1.0)
+
+
+def test_what_led_by_new_states_in_every_window_does_not_hide_what_came_behind(
+    monkeypatch,
+):
+    soft, loose, weight = (SimpleNamespace(told_by=(w,)) for w in "abc")
+    rounds = iter([[loose], []])
+    asked = []
+
+    def judged(*_):
+        left = next(rounds)
+        chosen = None if left else weight
+        verdicts = one_round.Verdicts(chosen=chosen)
+        return one_round._Seen(verdicts, tuple(map(forgotten, left)))
+
+    def forgotten(law):
+        return one_round.Rejected(law, one_round.FORGETS)
+
+    def fitted(_, leading, *__):
+        asked.append([one.hypothesis for one in leading])
+        return []
+
+    monkeypatch.setattr(one_round, "fit_best", fitted)
+    monkeypatch.setattr(one_round, "begun_elsewhere", lambda *_: [])
+    monkeypatch.setattr(one_round, "_judged", judged)
+    setting = SimpleNamespace(options=Options(), noise=None)
+    leading = [one_round.Promised(law, 0.9) for law in (soft, loose, weight)]
+    seen = one_round._Seen(one_round.Verdicts(), (forgotten(soft),))
+    seen = one_round._led_by_others(setting, None, leading, {}, 1.0, seen)
+    assert asked == [[loose, weight], [weight]]
+    assert seen.verdicts.chosen is weight

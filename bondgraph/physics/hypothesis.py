@@ -97,6 +97,11 @@ class Hypothesis:
         return tuple(p.name for p in self.edit.parameters if not p.exact)
 
     @property
+    def repeats(self) -> bool:
+        """Whether it is the same again and again along a displacement."""
+        return bool(self.law.has(sympy.sin, sympy.cos))
+
+    @property
     def is_slip(self) -> bool:
         """Whether it rights how something was recorded, with no number to be fitted."""
         return not self.parameters

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from bondgraph.diagnosis.candidates import (
     CURVE,
     Candidate,
+    Promised,
     Rejected,
 )
 from bondgraph.diagnosis.evidence.judged import Judged
@@ -30,6 +31,7 @@ from bondgraph.diagnosis.search.laws.fits import (
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.judging import Verdicts, judge_all
+from bondgraph.diagnosis.search.trials.memory import REASON as FORGETS
 from bondgraph.diagnosis.search.trials.screening import screen
 from bondgraph.diagnosis.search.trials.worth import worth_judging
 from bondgraph.diagnosis.work.workers import Workshop
@@ -52,6 +54,9 @@ leaves much is held against all that promises nothing from there.
 LITTLE = 0.1
 """Who leaves no more than this share of what such a model left stands as it is."""
 
+LED_ASTRAY = 3
+"""How often what led is set aside because it remembers nothing beyond a window."""
+
 HOPELESS = 0.75
 """A candidate with less than this share of the best reduction is not judged."""
 
@@ -67,6 +72,7 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
     fitted = fit_best(bench, leading, HOPELESS, options.judged)
     fitted = begun_elsewhere(bench, fitted, setting.noise)
     seen = _judged(setting, bench, fitted, order, screened.independent)
+    seen = _led_by_others(setting, bench, leading, order, screened.independent, seen)
     if setting.is_first and explainable(base, setting.noise) > MUCH:
         first = {id(one.hypothesis) for one in leading}
         others = [one for one in screened.promised if id(one.hypothesis) not in first]
@@ -134,6 +140,31 @@ def _judged(
         bench, worth, tried, rule, setting.noise, setting.holds, seen.verdicts
     )
     return _Seen(verdicts, (*seen.rejected, *rejected))
+
+
+def _led_by_others(
+    setting: Setting,
+    bench: Bench,
+    leading: Sequence[Promised],
+    order: Mapping[tuple[str, ...], int],
+    tried: float,
+    seen: "_Seen",
+) -> "_Seen":
+    """Judge what was left behind by laws that led over windows and by nothing else.
+
+    What remembers takes any value anew in every window. Where all that led did so, what
+    came less far without is fitted to the end after all.
+    """
+    for _ in range(LED_ASTRAY):
+        hollow = {r.hypothesis.told_by for r in seen.rejected if r.reason == FORGETS}
+        others = [one for one in leading if one.hypothesis.told_by not in hollow]
+        if seen.verdicts.chosen is not None or len(others) == len(leading):
+            break
+        leading, options = others, setting.options
+        fitted = fit_best(bench, leading, HOPELESS, options.judged)
+        fitted = begun_elsewhere(bench, fitted, setting.noise)
+        seen = _judged(setting, bench, fitted, order, tried, seen)
+    return seen
 
 
 def _beside(candidate: Candidate, found: Sequence[Hypothesis]) -> Candidate:

@@ -48,10 +48,11 @@ def _begun_best(
     Before them from where a fit over short windows has ended, if there was one: the
     first fit that keeps the promise may be the last one.
     """
-    starts = hypothesis.starts
-    if len(starts) <= FORMS or len(order) < len(starts):
+    starts = best = hypothesis.starts
+    if len(starts) > FORMS and len(order) >= len(starts):
+        best = tuple(starts[i] for i in order[:FORMS])
+    elif not near:
         return hypothesis
-    best = tuple(starts[i] for i in order[:FORMS])
     return replace(hypothesis, starts=(near, *best) if near else best)
 
 

@@ -114,7 +114,8 @@ def _scored(baseline: Baseline, trial: Trial) -> Plain:
     promised = [score.promised for score in scores]
     order = sorted(range(len(scores)), key=lambda i: -promised[i])
     near: dict[str, float] = {}
-    if len(order) > FORMS and max(promised) < SURE and baseline.near is not None:
+    turns = hypothesis.repeats or len(order) > FORMS
+    if turns and max(promised) < SURE and baseline.near is not None:
         nearer = [score.promised for score in _scores(baseline.near, hypothesis)]
         own = sorted(range(len(scores)), key=lambda i: -nearer[i])
         pairs = zip(order, own, strict=True)
@@ -267,7 +268,8 @@ def _begin(
     if not trial.starts:
         starts = thetas(base, hypothesis, problem, _own_starts(base, hypothesis))
         begun = [(theta, settled(base, problem, theta)) for theta in starts]
-        if not hypothesis.waits or not problem.model.n_states:
+        far = hypothesis.waits or hypothesis.repeats
+        if not far or not problem.model.n_states:
             return begun
         return [(theta, _or_early(problem, theta, states)) for theta, states in begun]
     begin = []
@@ -299,7 +301,8 @@ def _or_early(problem: FitProblem, theta: Array, states: Array) -> Array:
     """Return initial states by window: those given, or what the first samples say.
 
     The base model's are bent over the whole window by what it leaves out. From them a
-    stop is never reached that was hit: its motion ends before.
+    stop is never reached that was hit, for its motion ends before, and a weight that
+    goes round is now ahead and now behind.
     """
     here = linearise_windows(problem, theta, states)
     early = first_guess(problem, theta)
