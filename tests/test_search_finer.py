@@ -54,6 +54,18 @@ def test_what_is_far_behind_or_not_supported_or_there_as_well_is_no_rival(drawn)
     assert places([ROUGH, worse, unsure, other, named]) == ["input"]
 
 
+def test_a_curve_of_something_else_at_the_same_place_is_a_rival(monkeypatch):
+    speed = judged(0.131, physics=CURVE, place="input")
+    speed.candidate.hypothesis.depends_on = ("flow(input)",)
+
+    def as_fine_as_told(bench, chosen, before):
+        return judged(0.01 if chosen is speed else 0.1, physics=CURVE, place="input")
+
+    monkeypatch.setattr(finer, "as_fine_as_told", as_fine_as_told)
+    found = finest_of(None, ROUGH, [ROUGH, speed], BASE)
+    assert [*found] == [id(speed), id(ROUGH)]
+
+
 def test_a_law_with_a_name_has_no_rival_drawn(drawn):
     drawn(input=0.10, plant=0.01)
     law = judged(0.13, physics="drag", place="input")

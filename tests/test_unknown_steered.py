@@ -2,8 +2,21 @@
 
 import numpy as np
 import pytest
+import sympy
 
-from bondgraph import BondGraph, C, I, R, Recording, Se, bind_to, diagnose
+from bondgraph import (
+    BondGraph,
+    C,
+    I,
+    R,
+    Recording,
+    Se,
+    Sf,
+    bind_to,
+    diagnose,
+    e,
+    effort,
+)
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.physics.drag import QuadraticDrag
 from bondgraph.physics.friction import CoulombFriction
@@ -95,3 +108,47 @@ def test_what_is_beside_a_resistance_does_not_steer_it():
         "winding changes with x",
         "winding changes with force",
     ]
+
+
+CAPACITY, OUTLET, COVERED = 1.5, 2.0, 0.4
+
+
+def tank():
+    """Return a tank that drains through a hole, with a root of the level."""
+    graph = BondGraph("tank", domain="hydraulic")
+    law = sympy.Symbol("hole") * sympy.sqrt(e)
+    graph.zero("tank", Sf("jet"), C("area"), R("outlet", law=law))
+    graph.measure("level", effort("tank"))
+    graph.parameter("area", 1.2, "m^3/Pa", bounds=(0.1, 10.0))
+    graph.parameter("hole", 1.6, bounds=(0.1, 10.0))
+    return graph.finish()
+
+
+def filled(graph, seed, samples=600):
+    """Return a run in which the jet covers a part of the hole."""
+    random = np.random.default_rng(seed)
+    jet = np.repeat(random.uniform(1.0, 5.0, samples // 30), 30)
+    level, read = 2.0, []
+    for flow in jet:
+        read.append(level)
+        for _ in range(PARTS):
+            passes = OUTLET * (1.0 - COVERED * flow**2 / (9.0 + flow**2))
+            level += STEP * 5 / PARTS * (flow - passes * np.sqrt(level)) / CAPACITY
+    read = np.array(read) + 2e-3 * random.normal(size=samples)
+    channels = {"jet": (jet, "m^3/s"), "level": (read, "Pa")}
+    time = 5 * STEP * np.arange(samples)
+    return bind_to(graph, Recording.from_arrays(f"run {seed}", time, channels))
+
+
+def test_a_root_law_is_steered_by_the_jet_that_meets_its_hole():
+    graph = tank()
+    found = diagnose(
+        graph,
+        [filled(graph, 1)],
+        held_out=[filled(graph, 2)],
+        options=Options(library=(UnknownRelation(), QuadraticDrag())),
+    )
+    (curve,) = found.findings
+    assert (curve.physics, curve.place) == ("unknown_relation", "outlet")
+    assert "outlet changes with jet" in curve.statement
+    assert found.held_out.after.nrmse < 0.1 * found.held_out.before.nrmse

@@ -12,19 +12,36 @@ import sympy
 
 from bondgraph.physics.curves import drawn, even
 from bondgraph.physics.hypothesis import Hypothesis, Shape
-from bondgraph.physics.places.base import ELECTRIC, MECHANICAL, E, F, P, Q
+from bondgraph.physics.places.base import (
+    ELECTRIC,
+    MECHANICAL,
+    Coefficient,
+    E,
+    F,
+    P,
+    Q,
+)
 from bondgraph.physics.places.channels import ChannelPlace, InputPlace, OutputPlace
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import JunctionPlace, junction_place
 from bondgraph.physics.smooth import Smooth
 from bondgraph.structure.elements import (
     Compliance,
+    FlowSource,
     Gyrator,
     Inertance,
     Resistance,
     Transformer,
 )
-from bondgraph.structure.signals import Signal, displacement, f, momentum, p, q
+from bondgraph.structure.graph import used_parameters
+from bondgraph.structure.signals import (
+    Signal,
+    displacement,
+    momentum,
+    p,
+    parameter_symbol,
+    q,
+)
 
 Make = Callable[..., Hypothesis]
 """What makes a hypothesis of that physics: `AbstractPhysics.hypothesis`."""
@@ -52,19 +69,25 @@ def forms_of_element(
             map(place.is_one_junction, place.junctions)
         ):  # At a 1-junction it is the curve of the displacement there.
             yield partial(_store, make, place, smooth)
-        case Resistance(law=None):
+        case Resistance():
             for channel in _elsewhere(place):
                 yield partial(_steered, make, place, channel, smooth)
 
 
 def _elsewhere(place: ElementPlace) -> Iterator[ChannelPlace]:
-    """Yield what is recorded, changes, and is not beside a resistance already."""
+    """Yield what is recorded, changes, and is not beside a resistance already.
+
+    A flow into the store that it empties is not beside it: its jet may meet the outlet.
+    A drive beside a friction is, for one that grows with the load has laws of its own.
+    """
     graph = place.graph
-    beside = {place.name, *place.junctions}
+    beside: set[str] = {place.name, *place.junctions}
     for junction in place.junctions:
         bonds = graph.bonds_at(junction)
         beside |= {bond.name for bond in bonds}
         beside |= {bond.other(junction) for bond in bonds}
+        if not place.is_one_junction(junction):
+            beside -= {s.name for s in graph.inputs if isinstance(s, FlowSource)}
     # What a command has become steers sooner than the command does.
     channels: list[ChannelPlace] = [
         OutputPlace(graph, m.name, place.scales) for m in graph.measurements
@@ -87,23 +110,39 @@ def _steered(
 ) -> Hypothesis:
     """Make a resistance a curve of something that is recorded elsewhere.
 
-    Its own number is in the curve: beside one, only their product shows.
+    Its own numbers are in the curve: beside one, only their product shows.
     """
     size = channel.peak
-    now = place.scales.fitted.get(place.name) or place.linear_value or 1.0
-    usual = place.constant("usual", place.unit(E, F), now)
+    usual, own = _as_it_is(place)
     stem = f"curve_{channel.name}"
     knots = even(channel.range, size, STEERED)
     width = place.constant(f"{stem}_width", channel.channel_unit, size)
     x = channel.signal / width.symbol
     curve, heights = drawn(place, stem, "1", x, knots, smooth)
-    law = usual.symbol * f * (1 + curve)
+    law = usual * (1 + curve)
     words = f"{place.name} changes with {channel.name}"
-    edit = place.replace(law, *heights, width, usual)
+    edit = place.replace(law, *heights, width, *own)
     found = make(place, edit, law, heights, words, also=place.junctions)
     steering = (channel.signal, channel.name, channel.channel_unit)
     shape = Shape(*steering, 1 + curve, "resistance to its usual", "1")
     return replace(found, shape=shape)
+
+
+def _as_it_is(place: ElementPlace) -> tuple[sympy.Expr, list[Coefficient]]:
+    """Return the law of an element with its own numbers held where they are now."""
+    graph, law = place.graph, place.usual_law
+    others = [node for node in graph.nodes if node.name != place.name]
+    elsewhere = used_parameters(others, graph.measurements)
+    held = []
+    for parameter in graph.parameters.members:
+        symbol = parameter_symbol(parameter.name)
+        if law.has(symbol) and parameter.name not in elsewhere:
+            is_own = parameter.name == place.name
+            stem = "usual" if is_own else f"usual_{parameter.name}"
+            now = place.scales.fitted.get(parameter.name) or parameter.value or 1.0
+            held.append(place.constant(stem, parameter.unit, now))
+            law = law.subs(symbol, held[-1].symbol)
+    return law, held
 
 
 def _ratio(

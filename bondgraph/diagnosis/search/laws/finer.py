@@ -5,7 +5,7 @@ curve has been chosen it is drawn finely, smooth first and then rougher and roug
 long as that predicts left-out data better; and once more with both ways the same, which
 has half as much to tell. Few knots do not follow a narrow hump; of what only goes along
 with its variable a curve may do better then. So the nearest rival at another place is
-drawn as well.
+drawn as well, and the nearest of another variable at the same place.
 """
 
 from collections.abc import Sequence
@@ -75,32 +75,37 @@ def finest_of(
 ) -> dict[int, Judged]:
     """Return candidates that were drawn finely by the id of what they are drawn from.
 
-    The chosen one comes first, and where that is a curve the best one at another place
-    that comes near it; the other way round where the other then predicts left-out data
-    better by more than a standard error.
+    The chosen one comes first, and where that is a curve its nearest rivals; one of
+    these before it where that then predicts left-out data better by more than a
+    standard error.
     """
-    first = {id(chosen): as_fine_as_told(bench, chosen, before)}
-    rival = _rival(chosen, judged)
-    if rival is None:
-        return first
-    other = {id(rival): as_fine_as_told(bench, rival, before)}
-    lead = compare(first[id(chosen)].errors, other[id(rival)].errors)
-    return other | first if lead.value > lead.std else first | other
+    first = chosen
+    drawn = {id(chosen): as_fine_as_told(bench, chosen, before)}
+    for rival in _rivals(chosen, judged):
+        drawn[id(rival)] = as_fine_as_told(bench, rival, before)
+        lead = compare(drawn[id(first)].errors, drawn[id(rival)].errors)
+        if lead.value > lead.std:
+            first = rival
+    return {id(first): drawn[id(first)]} | drawn
 
 
-def _rival(chosen: Judged, judged: Sequence[Judged]) -> Judged | None:
-    """Return the best curve at another place that comes near the chosen one."""
+def _rivals(chosen: Judged, judged: Sequence[Judged]) -> list[Judged]:
+    """Return the best curve elsewhere, and of something else here, that come near."""
     if chosen.physics != CURVE:
-        return None
+        return []
     near = [
         one
         for one in judged
         if one.physics == CURVE
-        and one.place != chosen.place
         and one.support is Support.SUPPORTED
         and one.gain.value >= NEAR * chosen.gain.value
     ]
-    return max(near, key=lambda one: one.gain.value, default=None)
+    own = chosen.candidate.hypothesis.depends_on
+    elsewhere = [one for one in near if one.place != chosen.place]
+    other = [one for one in near if one.place == chosen.place]
+    other = [one for one in other if one.candidate.hypothesis.depends_on != own]
+    ways = (elsewhere, other)
+    return [max(way, key=lambda one: one.gain.value) for way in ways if way]
 
 
 class _Drawing:

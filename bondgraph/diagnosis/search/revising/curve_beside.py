@@ -16,7 +16,7 @@ from bondgraph.diagnosis.evidence.judged import Judged, Rule
 from bondgraph.diagnosis.evidence.leads import clearly_better
 from bondgraph.diagnosis.evidence.left_out import left_out_errors
 from bondgraph.diagnosis.records import Support
-from bondgraph.diagnosis.search.laws.finer import as_fine_as_told
+from bondgraph.diagnosis.search.laws.finer import finest_of
 from bondgraph.diagnosis.search.pairs.together import explained
 from bondgraph.diagnosis.search.round_found import Round, made_in
 from bondgraph.diagnosis.search.trials.bench import Bench
@@ -191,16 +191,17 @@ def with_curve(
 ) -> list[Round] | None:
     """Return the rounds up to the one that judged the curve, which it has chosen.
 
-    Like any curve that is chosen it is drawn as finely as the data tell. None where it
-    leaves more even so.
+    Like any curve that is chosen it is drawn as finely as the data tell, and so are its
+    nearest rivals. None where it leaves more even so.
     """
     found, curve = rounds[better.index], better.curve
     before = left_out_errors(found.base, curve.errors.chunks.size)
     sure = probability(curve, found.judged, before, rule)
     bench = Bench.of(found.base, shop, f"round {better.index + 1}")
-    drawn = as_fine_as_told(bench, curve, before)
-    if better.times < LEAVES_MORE and _times(better.named, drawn) < 1.0:
+    drawn = finest_of(bench, curve, found.judged, before)
+    chosen = next(iter(drawn.values()))
+    if better.times < LEAVES_MORE and _times(better.named, chosen) < 1.0:
         return None
-    judged = tuple(drawn if one is curve else one for one in found.judged)
-    told = replace(found, judged=judged, chosen=drawn, probability=sure, removed=())
+    judged = tuple(drawn.get(id(one), one) for one in found.judged)
+    told = replace(found, judged=judged, chosen=chosen, probability=sure, removed=())
     return [*rounds[: better.index], told]
