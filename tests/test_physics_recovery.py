@@ -93,6 +93,7 @@ CASES = [
         2,
         steady=True,
     ),
+    Case("damper", "DirectionDependentFriction", "oil", {"asymmetry": 0.4}),
     Case(
         "wheel",
         "DirectionDependentFriction",
