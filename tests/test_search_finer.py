@@ -54,16 +54,26 @@ def test_what_is_far_behind_or_not_supported_or_there_as_well_is_no_rival(drawn)
     assert places([ROUGH, worse, unsure, other, named]) == ["input"]
 
 
-def test_a_curve_of_something_else_at_the_same_place_is_a_rival(monkeypatch):
-    speed = judged(0.131, physics=CURVE, place="input")
-    speed.candidate.hypothesis.depends_on = ("flow(input)",)
+def of(left, *signals):
+    """Return a curve at the input, of these signals."""
+    curve = judged(left, physics=CURVE, place="input")
+    curve.candidate.hypothesis.depends_on = signals
+    return curve
+
+
+def test_a_curve_of_something_else_at_the_same_place_is_a_rival_if_as_plain(
+    monkeypatch,
+):
+    rough, speed = of(0.130, "displacement(input)", "flow(input)"), of(0.131, "flow")
 
     def as_fine_as_told(bench, chosen, before):
-        return judged(0.01 if chosen is speed else 0.1, physics=CURVE, place="input")
+        return of(0.01 if chosen in (speed, swapped) else 0.1)
 
+    swapped = of(0.131, "displacement(input)", "flow(input)")
     monkeypatch.setattr(finer, "as_fine_as_told", as_fine_as_told)
-    found = finest_of(None, ROUGH, [ROUGH, speed], BASE)
-    assert [*found] == [id(speed), id(ROUGH)]
+    found = finest_of(None, rough, [rough, speed], BASE)
+    assert [*found] == [id(speed), id(rough)]
+    assert [*finest_of(None, speed, [speed, swapped], BASE)] == [id(speed)]
 
 
 def test_a_law_with_a_name_has_no_rival_drawn(drawn):

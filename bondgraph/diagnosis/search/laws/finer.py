@@ -90,7 +90,10 @@ def finest_of(
 
 
 def _rivals(chosen: Judged, judged: Sequence[Judged]) -> list[Judged]:
-    """Return the best curve elsewhere, and of something else here, that come near."""
+    """Return the best curve elsewhere, and of something else here, that come near.
+
+    Of something else, but of no more: what depends on two variables is not plainer.
+    """
     if chosen.physics != CURVE:
         return []
     near = [
@@ -102,9 +105,13 @@ def _rivals(chosen: Judged, judged: Sequence[Judged]) -> list[Judged]:
     ]
     own = chosen.candidate.hypothesis.depends_on
     elsewhere = [one for one in near if one.place != chosen.place]
-    other = [one for one in near if one.place == chosen.place]
-    other = [one for one in other if one.candidate.hypothesis.depends_on != own]
-    ways = (elsewhere, other)
+    here = {
+        id(one): one.candidate.hypothesis.depends_on
+        for one in near
+        if one.place == chosen.place
+    }
+    plain = {key for key, of in here.items() if of != own and len(of) <= len(own)}
+    ways = (elsewhere, [one for one in near if id(one) in plain])
     return [max(way, key=lambda one: one.gain.value) for way in ways if way]
 
 
