@@ -66,9 +66,11 @@ def test_a_parameter_at_its_bound_is_told(told):
 
 
 def test_what_inputs_do_between_samples_is_chosen_and_told(told):
-    said = "held between samples, for from most samples to the next they stay the same"
+    said = (
+        "held between samples, as they mostly stay the same from one sample to the next"
+    )
     assert said in told(10.0, 25)
-    assert "held between samples, for that fits better" in told(10.0, 1)
+    assert "held between samples, as that fits better" in told(10.0, 1)
     said = told(10.0, 25, "--hold", "first")
     assert "between samples" not in said
 

@@ -90,13 +90,15 @@ def _toml(path: Path) -> dict[str, Any]:
             "Name a file that may be read.",
         ) from error
     except NotTomlError as error:
+        if path.suffix == ".py":
+            raise CheckError(
+                f"{path.name} is Python; a check file is TOML and declares values.",
+                (str(path),),
+                "Whether a model is well made, 'bondgraph derive' says, and what it "
+                "does, 'bondgraph simulate'.",
+            ) from error
         raise CheckError(
-            f"{path.name} is not TOML: {error}.",
-            (str(path),),
-            "Correct the syntax."
-            if path.suffix != ".py"
-            else "A check file declares values; whether a model is well made, "
-            "'bondgraph derive' says, and what it does, 'bondgraph simulate'.",
+            f"{path.name} is not TOML: {error}.", (str(path),), "Correct the syntax."
         ) from error
 
 

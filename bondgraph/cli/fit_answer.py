@@ -82,13 +82,13 @@ def hold_words(hold: Hold, recordings: Sequence[BoundRecording]) -> str:
     held = hold is Hold.ZERO
     option = "--hold zero" if held else "--hold first"
     alike = (
-        "for from most samples to the next they stay the same"
+        "as they mostly stay the same from one sample to the next"
         if held
-        else "for they change from sample to sample"
+        else "as they change from sample to sample"
     )
     if any(go_in_steps([one]) is not held for one in recordings):
         alike += ", all recordings taken together"
-    why = alike if held is go_in_steps(recordings) else "for that fits better"
+    why = alike if held is go_in_steps(recordings) else "as that fits better"
     return f"Inputs are taken to be {hold.value} between samples, {why} ({option})."
 
 

@@ -47,9 +47,11 @@ ASTRAY = 1.0
 """Standard deviations: the mean of what was measured is not further away."""
 
 STRETCHES = (
-    "Over the whole recording the simulation goes astray, as it does where a machine "
-    "is unstable or drifts and a value is a little wrong: --window SECONDS compares "
-    "stretches of it, each from a state of its own."
+    "Over the whole recording the simulation goes astray. Where a machine is unstable "
+    "or drifts a value that is a little wrong does that, and --window SECONDS compares "
+    "stretches, each from a state of its own; else values are far off, which "
+    "'bondgraph fit' mends, or the model lacks something, which 'bondgraph diagnose' "
+    "looks for."
 )
 
 
