@@ -26,11 +26,12 @@ from bondgraph.cli.terminal import table_style
 from bondgraph.errors import FitError
 from bondgraph.fitting.certainty.profile import profile
 from bondgraph.fitting.either_hold import fitted_either_way
-from bondgraph.fitting.estimate import FitSettings, fit_model, report
+from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.fitting.fine_steps import told_finely
 from bondgraph.fitting.fitted import FittedModel
 from bondgraph.fitting.long_runs import simulate_whole
 from bondgraph.fitting.result import FitResult, FitStatus, Score
+from bondgraph.fitting.told import report
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.misreadings import without_misreadings
 from bondgraph.reporting.model_text import to_python

@@ -10,11 +10,12 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.estimate import FittedModel, first_guess, pose, score
+from bondgraph.fitting.estimate import FittedModel, first_guess, pose
 from bondgraph.fitting.horizon import Horizon, WholeRecordings, Windows, cut
 from bondgraph.fitting.problem import FitProblem, Linearisation, write_windows
 from bondgraph.fitting.result import Score
 from bondgraph.fitting.settling import settle
+from bondgraph.fitting.told import score
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.solvers import implicit
 

@@ -10,12 +10,13 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.estimate import FitSettings, FittedModel, fit_model, score
+from bondgraph.fitting.estimate import FitSettings, FittedModel, fit_model
 from bondgraph.fitting.horizon import WholeRecordings
 from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.fitting.result import Score
 from bondgraph.fitting.settling import settle
 from bondgraph.fitting.step_error import MOST_SUBSTEPS, step_error
+from bondgraph.fitting.told import score
 from bondgraph.numeric.audited_model import audited_model
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.model_channels import matched

@@ -25,10 +25,11 @@ from bondgraph.diagnosis.search.base.horizons import refitted
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.remaining import remaining
 from bondgraph.diagnosis.search.round_found import Round, accepted
-from bondgraph.fitting.estimate import FittedModel, report
+from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.fine_steps import told_finely
 from bondgraph.fitting.long_runs import simulate_stretches, simulate_whole
 from bondgraph.fitting.result import FitResult, FitStatus
+from bondgraph.fitting.told import report
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
 

@@ -9,7 +9,8 @@ from dataclasses import replace
 
 from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.records import Support
-from bondgraph.fitting.estimate import FittedModel, report
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.fitting.told import report
 from bondgraph.recordings.binding import BoundRecording
 
 ERRORS = 2.58
