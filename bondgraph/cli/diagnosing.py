@@ -12,7 +12,6 @@ from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.records import Diagnosis, Support, Verdict
 from bondgraph.diagnosis.work.workers import Here, Where
 from bondgraph.fitting.estimate import FitSettings
-from bondgraph.physics.names import name_of
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.reporting.curve_table import curve_tables
 from bondgraph.reporting.diagnosis_json import delivered, diagnosis_to_dict
@@ -139,8 +138,7 @@ def _verdict(session: Session, diagnosis: Diagnosis) -> str:
 def _how_sure(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield how probable each finding is, where that is known."""
     told = ", ".join(
-        f"{name_of(finding.physics)} at {finding.place} "
-        f"{100 * finding.probability:.0f} of 100"
+        f"{finding.name} at {finding.place} {100 * finding.probability:.0f} of 100"
         for finding in diagnosis.findings
         if finding.probability is not None
     )

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from bondgraph.diagnosis.experiment.records import Experiment
 from bondgraph.fitting.result import Estimate, FitResult, Score
+from bondgraph.physics.names import name_of
 from bondgraph.structure.graph import FinishedGraph
 
 SCHEMA = 1
@@ -48,6 +49,8 @@ class Evidence:
         Simulation error; the held-out one is filled in once, at the end, to show.
     reason
         Why it was chosen or not, in one sentence.
+    domain
+        The name of the domain there, whose words tell it.
     """
 
     physics: str
@@ -60,6 +63,12 @@ class Evidence:
     reason: str
     held_out_nrmse: float | None = None
     estimates: tuple[Estimate, ...] = ()
+    domain: str = ""
+
+    @property
+    def name(self) -> str:
+        """How a sentence calls the physics."""
+        return name_of(self.physics, self.domain)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,6 +81,8 @@ class Finding:
         That it is this physics, here or at a place that is not told from it: the share
         of resamples of the left-out chunks in which it predicts best, less the doubt
         that no resampling sees (0.85 at most); None where it was not judged.
+    domain
+        The name of the domain there, whose words tell it.
     """
 
     physics: str
@@ -83,6 +94,12 @@ class Finding:
     alternatives: tuple[Evidence, ...] = ()
     estimates: tuple[Estimate, ...] = ()
     probability: float | None = None
+    domain: str = ""
+
+    @property
+    def name(self) -> str:
+        """How a sentence calls the physics."""
+        return name_of(self.physics, self.domain)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

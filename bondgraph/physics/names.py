@@ -1,4 +1,6 @@
-"""How a sentence calls a piece of physics."""
+"""How a sentence calls a piece of physics, in the words of the domain it is in."""
+
+from bondgraph.structure.domains import ELECTRICAL, HYDRAULIC, THERMAL
 
 NAMES = {
     "coulomb_friction": "Coulomb (dry) friction",
@@ -17,7 +19,42 @@ NAMES = {
     "unknown_relation": "a relation without a name",
 }
 
+ELSEWHERE = {
+    HYDRAULIC.name: {
+        "coulomb_friction": "a pressure that has to be overcome",
+        "viscous_friction": "laminar resistance",
+        "quadratic_drag": "turbulent flow (quadratic drag)",
+        "spring": "a stock on the way",
+        "hardening_spring": "a stock that stiffens",
+        "added_inertia": "inertia of the fluid",
+    },
+    ELECTRICAL.name: {
+        "viscous_friction": "a resistance",
+        "quadratic_drag": "a resistance that grows with the current (quadratic drag)",
+        "spring": "a capacitance on the way",
+        "hardening_spring": "a capacitance that falls with its charge",
+        "added_inertia": "added inductance",
+        "saturating_inertia": "a coil that saturates",
+    },
+    THERMAL.name: {
+        "viscous_friction": "a thermal resistance",
+        "spring": "a heat capacity on the way",
+        "hardening_spring": "a heat capacity that falls as it warms",
+        "leak": "a path for heat (leak)",
+    },
+}
+"""What a mechanical name would not say."""
 
-def name_of(physics: str) -> str:
-    """Return how a sentence calls `physics`."""
-    return NAMES.get(physics, physics.replace("_", " "))
+SOFTER = {
+    "a hardening spring": "a spring that softens",
+    "a stock that stiffens": "a stock that softens",
+    "a capacitance that falls with its charge": "a capacitance that grows with charge",
+    "a heat capacity that falls as it warms": "a heat capacity that grows as it warms",
+}
+"""What a law is called whose cubic number is negative."""
+
+
+def name_of(physics: str, domain: str = "") -> str:
+    """Return how a sentence calls `physics` in the domain of that name."""
+    usual = NAMES.get(physics, physics.replace("_", " "))
+    return ELSEWHERE.get(domain, {}).get(physics, usual)

@@ -146,6 +146,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
     return {
         "physics": finding.physics,
         "place": finding.place,
+        "domain": finding.domain,
         "element": finding.element,
         "indistinguishable_places": list(finding.indistinguishable_places),
         "alternatives": [_evidence(a) for a in finding.alternatives],
@@ -160,6 +161,7 @@ def _evidence(evidence: Evidence) -> dict[str, Any]:
     return {
         "physics": evidence.physics,
         "place": evidence.place,
+        "domain": evidence.domain,
         "law": evidence.law,
         "support": evidence.support.value,
         "gain": json_value(evidence.gain),

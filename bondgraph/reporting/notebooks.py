@@ -10,7 +10,6 @@ from html import escape
 
 from bondgraph.causality.records import CausalAssignment
 from bondgraph.diagnosis.records import Diagnosis
-from bondgraph.physics.names import name_of
 from bondgraph.reporting.drawing import draw_svg
 from bondgraph.reporting.report import diagnosis_picture
 from bondgraph.reporting.wording import (
@@ -51,7 +50,7 @@ def graph_html(
 def diagnosis_html(diagnosis: Diagnosis) -> str:
     """Return a diagnosis in short: verdict, picture, candidates and what to do next."""
     rows = "".join(
-        f"<tr><th>{escape(sentence_start(name_of(one.physics)))} at "
+        f"<tr><th>{escape(sentence_start(one.name))} at "
         f"{escape(one.place)}</th><td>{escape(one.support.value)}</td>"
         f"<td>{escape(with_deviation(100 * one.gain, 100 * one.gain_std))} %</td></tr>"
         for one in diagnosis.candidates

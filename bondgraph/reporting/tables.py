@@ -13,7 +13,6 @@ from typing import TextIO
 
 from bondgraph.diagnosis.records import Evidence, Support
 from bondgraph.fitting.result import Estimate
-from bondgraph.physics.names import name_of
 from bondgraph.recordings.recording import Recording
 from bondgraph.reporting.wording import (
     NOTHING,
@@ -160,7 +159,7 @@ def candidates_table(
     )
     rows = [
         (
-            Cell(sentence_start(name_of(one.physics))),
+            Cell(sentence_start(one.name)),
             Cell(one.place),
             Cell(one.support.value, _STYLES[one.support]),
             Cell(f"{with_deviation(100 * one.gain, 100 * one.gain_std)} %"),

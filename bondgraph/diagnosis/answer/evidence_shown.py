@@ -11,7 +11,6 @@ from bondgraph.diagnosis.records import Evidence, Support
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.fitting.long_runs import simulate_whole
-from bondgraph.physics.names import name_of
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.spread import changes, spread
 
@@ -45,7 +44,7 @@ def hardly_supported(
     assert found.chosen is not None
     reason = (
         "hardly supported: it does not predict left-out data better than "
-        f"{name_of(found.chosen.physics)}, which it contains"
+        f"{found.chosen.name}, which it contains"
     )
     return [
         shown(j, held_out)
@@ -71,6 +70,7 @@ def _as_evidence(judged: Judged) -> Evidence:
         gain_std=judged.gain.std,
         train_nrmse=float(nrmse),
         reason=judged.reason,
+        domain=judged.domain,
     )
 
 

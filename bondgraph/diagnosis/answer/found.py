@@ -15,7 +15,6 @@ from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.revising.curve_beside import BetterCurve, better_curve
 from bondgraph.diagnosis.search.round_found import Round, accepted, shares_of
 from bondgraph.fitting.result import FitResult
-from bondgraph.physics.names import name_of
 from bondgraph.recordings.binding import BoundRecording
 
 MENDS_SHAPE = (
@@ -89,6 +88,7 @@ def _finding(chosen: Judged, close: Sequence[Judged], after: FitResult) -> Findi
         alternatives=(),
         estimates=estimates,
         probability=None,
+        domain=chosen.domain,
     )
 
 
@@ -114,7 +114,7 @@ def nearest(found: Round) -> str:
         return ""
     best = max(named, key=lambda j: j.gain.value)
     return (
-        f" Of the laws with a name {name_of(best.physics)} comes nearest: it takes "
+        f" Of the laws with a name {best.name} comes nearest: it takes "
         f"away {100 * best.gain.value:.0f} % of the error on left-out data, the curve "
         f"{100 * curve.gain.value:.0f} %."
     )

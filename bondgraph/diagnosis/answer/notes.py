@@ -53,7 +53,7 @@ def notes_on(
                 f"{_sentence_start(judged)} "
                 f"{'with more numbers' if same else 'instead'} is hardly supported: "
                 "it does not predict left-out data better"
-                f"{'' if same else f' than {name_of(plain.physics)}'}."
+                f"{'' if same else f' than {plain.name}'}."
             )
     return tuple(dict.fromkeys((*notes, *_left_aside(rounds))))
 

@@ -19,7 +19,6 @@ from bondgraph.diagnosis.evidence.leftover import (
 from bondgraph.diagnosis.records import Support, Verdict
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.fitting.estimate import FittedModel
-from bondgraph.physics.names import name_of
 
 NOTHING = (AdequacyStatus.ADEQUATE, AdequacyStatus.COLOURED)
 """What a model leaves that no physics of the machine explains."""
@@ -107,7 +106,7 @@ def _too_few(alone: Sequence[Judged], tried: float) -> str:
 
 def _names(judged: Sequence[Judged]) -> str:
     """Return the first three laws with their places."""
-    names = dict.fromkeys(f"{name_of(j.physics)} at {j.place}" for j in judged)
+    names = dict.fromkeys(f"{j.name} at {j.place}" for j in judged)
     return ", ".join(list(names)[:3])
 
 

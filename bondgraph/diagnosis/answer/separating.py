@@ -17,7 +17,6 @@ from bondgraph.diagnosis.records import Support, Verdict
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.estimate import FittedModel
-from bondgraph.physics.names import name_of
 from bondgraph.recordings.binding import BoundRecording
 
 MOST_RIVALS = 2
@@ -116,6 +115,6 @@ def _strongest(judged: Sequence[Judged]) -> list[Judged]:
 
 def _rivalry(judged: Sequence[Judged]) -> Rivalry:
     return Rivalry(
-        names=tuple(f"{name_of(j.physics)} at {j.place}" for j in judged),
+        names=tuple(f"{j.name} at {j.place}" for j in judged),
         models=tuple(j.candidate.fitted for j in judged),
     )

@@ -108,6 +108,7 @@ def _finding(
             bond.other(name) for bond in graph.bonds_at(name)
         ),
         estimates=(estimate,),
+        domain=next((domain.name for domain in graph.domains_at(name)), ""),
     )
 
 

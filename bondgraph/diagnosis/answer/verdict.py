@@ -13,7 +13,6 @@ from bondgraph.diagnosis.search.base.horizons import SAME
 from bondgraph.diagnosis.search.remaining import MUCH_REMAINING
 from bondgraph.diagnosis.search.round_found import Round, accepted
 from bondgraph.fitting.estimate import FittedModel
-from bondgraph.physics.names import name_of
 
 MOST_REMAINING = 0.5
 """Findings that leave more than this share of the error have not found the cause."""
@@ -111,7 +110,7 @@ def with_undecided(verdict: Verdict, statement: str, last: Round, rule: Rule) ->
     best = max(near, key=lambda judged: judged.gain.value)
     return (
         f"{statement} Beyond that these recordings do not decide: "
-        f"{name_of(best.physics)} at {best.place} would take away {best.gain} of the "
+        f"{best.name} at {best.place} would take away {best.gain} of the "
         "error that is left, but not reliably."
     )
 
@@ -185,7 +184,7 @@ def without_size(
     told_something = verdict in (Verdict.PHYSICS_MISSING, Verdict.UNEXPLAINED)
     if not told_something or not hollow:
         return verdict, statement
-    names = " and ".join(f"{name_of(f.physics)} at {f.place}" for f in hollow)
+    names = " and ".join(f"{f.name} at {f.place}" for f in hollow)
     told = (
         f"{statement} But these recordings determine no number of {names}, which may "
         "stand for something else: do not rely on it."

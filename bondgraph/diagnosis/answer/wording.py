@@ -8,7 +8,7 @@ from bondgraph.diagnosis.experiment.records import Experiment
 from bondgraph.diagnosis.records import Finding
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.result import Estimate
-from bondgraph.physics.names import name_of
+from bondgraph.physics.names import SOFTER
 from bondgraph.structure.domains import ROTATION, TRANSLATION
 from bondgraph.structure.units import plain_unit
 
@@ -64,14 +64,12 @@ def finding_statement(
         )
         numbers = ""
     else:
-        name = _form_of(chosen.physics, estimates)
+        name = _form_of(chosen, estimates)
         opening = f"{_capital(name)} at {chosen.place} {SURE}: {hypothesis.words}"
     text = f"{opening} ({numbers})." if numbers else f"{opening.rstrip('.')}."
     if places:
         text += f" These recordings do not tell {chosen.place} from {listed(places)}."
-    other_laws = dict.fromkeys(
-        name_of(j.physics) for j in others if j.physics != chosen.physics
-    )
+    other_laws = dict.fromkeys(j.name for j in others if j.physics != chosen.physics)
     if other_laws:
         text += f" It cannot be told apart here from {listed(tuple(other_laws))}."
     if chosen.gain.value < WEAK:
@@ -81,10 +79,10 @@ def finding_statement(
     return text
 
 
-def _form_of(physics: str, estimates: Sequence[Estimate]) -> str:
+def _form_of(chosen: Judged, estimates: Sequence[Estimate]) -> str:
     """Return the name of a law of which the sign of a number makes another thing."""
     softens = any(e.name.startswith("cubic") and e.value < 0.0 for e in estimates)
-    return "a spring that softens" if softens else name_of(physics)
+    return SOFTER.get(chosen.name, chosen.name) if softens else chosen.name
 
 
 def hedged(statement: str) -> str:

@@ -11,7 +11,6 @@ from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence.judged import Judged, Rule, is_by_itself
 from bondgraph.diagnosis.evidence.leads import alike, clearly_better, extends
 from bondgraph.diagnosis.records import Support
-from bondgraph.physics.names import name_of
 
 TIE = 1e-6
 """Left-out errors closer than this share differ by rounding."""
@@ -61,7 +60,7 @@ def _held_back(wider: Judged, judged: Sequence[Judged], rule: Rule) -> Judged:
         return wider
     simplest = min(little, key=lambda j: j.candidate.complexity)
     reason = (
-        f"{wider.gain} is hardly more than {name_of(simplest.physics)} takes away, "
+        f"{wider.gain} is hardly more than {simplest.name} takes away, "
         "which is too little to matter"
     )
     return replace(wider, support=Support.REFUTED, reason=reason)

@@ -11,6 +11,7 @@ from bondgraph.diagnosis.evidence.gain import Gain, compare
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
 from bondgraph.physics.library import LIBRARY
+from bondgraph.physics.names import name_of
 
 TYPICAL = {
     "hydraulic": frozenset({"square_root_orifice", "leak", "overflow"}),
@@ -71,6 +72,11 @@ class Judged:
     def physics(self) -> str:
         """The word for the physics."""
         return self.candidate.hypothesis.physics
+
+    @property
+    def name(self) -> str:
+        """How a sentence calls the physics."""
+        return name_of(self.physics, self.domain)
 
     @property
     def domain(self) -> str:

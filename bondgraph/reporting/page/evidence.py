@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from bondgraph.diagnosis.records import Diagnosis, Evidence, Finding, Support
-from bondgraph.physics.names import name_of
 from bondgraph.reporting.wording import sentence_start
 
 SHOWN = 8
@@ -99,7 +98,7 @@ def rivals(finding: Finding) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """
     best: dict[str, bool] = {}
     for one in finding.alternatives:
-        words = f"{name_of(one.physics)} at {one.place}"
+        words = f"{one.name} at {one.place}"
         best[words] = best.get(words, False) or one.support is not Support.REFUTED
     could = tuple(words for words, alive in best.items() if alive)
     return could, tuple(words for words in best if words not in could)
@@ -110,7 +109,7 @@ def not_told_apart(diagnosis: Diagnosis) -> tuple[str, ...]:
     told = [sentence for one in diagnosis.findings for sentence in _of_finding(one)]
     if not diagnosis.findings:
         undecided = dict.fromkeys(
-            f"{name_of(one.physics)} at {one.place}"
+            f"{one.name} at {one.place}"
             for one in diagnosis.candidates
             if one.support is not Support.REFUTED
         )
@@ -124,12 +123,12 @@ def not_told_apart(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 
 def _of_finding(finding: Finding) -> Iterator[str]:
-    what = sentence_start(name_of(finding.physics))
+    what = sentence_start(finding.name)
     if finding.indistinguishable_places:
         places = " or ".join(finding.indistinguishable_places)
         yield f"{what} at {finding.place} may as well sit at {places}."
     rivals = dict.fromkeys(
-        f"{name_of(one.physics)} at {one.place}"
+        f"{one.name} at {one.place}"
         for one in finding.alternatives
         if one.support is not Support.REFUTED and one.physics != finding.physics
     )

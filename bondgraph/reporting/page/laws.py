@@ -77,7 +77,7 @@ def _later(law: RecoveredLaw, findings: Sequence[Finding]) -> tuple[str, ...]:
     if law.place not in places:
         return ()
     after = findings[places.index(law.place) + 1 :]
-    return tuple(f"{name_of(one.physics)} at {one.place}" for one in after)
+    return tuple(f"{one.name} at {one.place}" for one in after)
 
 
 def _chart(law: RecoveredLaw, curves: list[Curve]) -> Chart:
