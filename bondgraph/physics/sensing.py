@@ -11,7 +11,7 @@ from bondgraph.physics.places.channels import OutputPlace
 from bondgraph.physics.slips import FACTORS, SLIPS, own_values
 from bondgraph.structure.elements import Compliance
 from bondgraph.structure.nodes import written_laws
-from bondgraph.structure.signals import Signal, parameters_in, signals_in
+from bondgraph.structure.signals import Signal, parameters_in, signals_in, t
 
 
 class SensorScale(AbstractPhysics):
@@ -37,7 +37,7 @@ class SensorScale(AbstractPhysics):
 
 
 class SensorBias(AbstractPhysics):
-    """A reading with an offset."""
+    """A reading with an offset, or with one that grows: a drift."""
 
     word = "sensor_bias"
     reference = "zero error of a sensor"
@@ -45,18 +45,27 @@ class SensorBias(AbstractPhysics):
     signature = "a constant error of one reading; other sensors do not see it"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for outputs without a fitted offset of their own.
+        """Yield two for outputs: a constant one, and one that drifts as well.
 
-        An integral that nothing else reads has a free origin, which is an offset.
+        Without the constant where an offset of its own is fitted, or where it reads an
+        integral that nothing else reads: that has a free origin, which is an offset.
         """
-        if not isinstance(place, OutputPlace) or _has_free(place, factor=False):
+        if not isinstance(place, OutputPlace):
             return
-        if _origin_is_free(place):
-            return
-        b = place.strength("sensor_bias", place.channel_unit)
-        law = place.signal + b.symbol
-        words = f"{place.name} reads with a constant offset"
-        yield self.hypothesis(place, place.become(law, b), law, (b,), words)
+        d = place.strength("sensor_drift", f"({place.channel_unit})/s")
+        known = _has_free(place, factor=False) or _origin_is_free(place)
+        if not known:
+            b = place.strength("sensor_bias", place.channel_unit)
+            law = place.signal + b.symbol
+            words = f"{place.name} reads with a constant offset"
+            yield self.hypothesis(place, place.become(law, b), law, (b,), words)
+        own = (d,) if known else (b, d)
+        law = place.signal + d.symbol * t + (0 if known else b.symbol)
+        words = f"{place.name} reads what grows with time beside what is there"
+        yield self.hypothesis(
+            place, place.become(law, *own), law, own, words,
+            extends=() if known else (self.word,),
+        )  # fmt: skip
 
 
 class SensorNonlinearity(AbstractPhysics):
