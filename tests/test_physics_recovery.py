@@ -236,6 +236,13 @@ CASES = [
     Case("dc_drive", "SaturatingInertia", "inductance", {"saturation": 2e4}),
     Case(
         "dc_drive",
+        "SaturatingInertia",
+        "inductance",
+        {"saturation": 2e4, "saturation_power": 3.0},
+        1,
+    ),
+    Case(
+        "dc_drive",
         "TemperatureDependentResistance",
         "resistance",
         {"warming": 0.5, "warming_time": 0.8},

@@ -49,17 +49,21 @@ class AddedInertia(AbstractPhysics):
         yield self.hypothesis(place, edit, law, (inertia,), words)
 
 
+SMOOTH = 1e-3
+"""Of what an inductance usually carries: below that its power is no power."""
+
+
 class SaturatingInertia(AbstractPhysics):
     """An inductance that falls with its current: the iron saturates."""
 
     word = "saturating_inertia"
-    reference = "first odd term of a saturation curve, i = psi / L + s psi^3"
+    reference = "first odd term of a saturation curve, i = psi / L + s psi^3; a knee"
     passivity = Passivity.STORING
     signature = "currents that rise ever faster under a voltage; odd harmonics"
     domains = ELECTRIC
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for every linear I."""
+        """Yield two for every linear I: a cube, and a knee, sharper or softer."""
         if not isinstance(place, ElementPlace) or not self.suits(place):
             return
         if not isinstance(place.element, Inertance) or place.element.law is not None:
@@ -68,5 +72,15 @@ class SaturatingInertia(AbstractPhysics):
         s = place.strength("saturation", place.unit(F, P, 3), (0.0, some), low=0.0)
         law = place.usual_law + s.symbol * p**3
         words = f"{place.name} holds less the more it carries: it saturates"
-        edit = place.replace(law, s)
-        yield self.hypothesis(place, edit, law, (s,), words, also=place.junctions)
+        edit, also = place.replace(law, s), place.junctions
+        yield self.hypothesis(place, edit, law, (s,), words, also=also)
+        knee = place.shape("saturation_power", "1", (0.0, 4.0), low=-1.0, high=20.0)
+        usual = place.constant("saturation_momentum", place.unit(P), place.content)
+        # Smooth at zero, where a power has no slope along its exponent.
+        squared = (p / usual.symbol) ** 2 + SMOOTH**2
+        law = place.usual_law + s.symbol * p**3 * squared ** (knee.symbol / 2)
+        words += ", with the cube times a further power of what it carries"
+        edit, own = place.replace(law, s, knee, usual), (s, knee, usual)
+        yield self.hypothesis(
+            place, edit, law, own, words, extends=(self.word,), also=also
+        )

@@ -34,7 +34,7 @@ ELSEWHERE = {
         "spring": "a capacitance on the way",
         "hardening_spring": "a capacitance that falls with its charge",
         "added_inertia": "added inductance",
-        "saturating_inertia": "a coil that saturates",
+        "saturating_inertia": "saturation of the iron",
     },
     THERMAL.name: {
         "viscous_friction": "a thermal resistance",
