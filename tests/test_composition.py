@@ -153,6 +153,16 @@ def test_a_sensor_must_read_what_its_junction_has_in_common() -> None:
         graph.finish()
 
 
+def test_where_an_effort_can_be_read_instead_is_told() -> None:
+    graph = BondGraph("cart", domain="translation")
+    graph.one("cart", Se("force"), I("m"))
+    graph.zero("coupling", C("spring"))
+    graph.join("cart", "coupling")
+    graph.measure("push", effort="cart")
+    with pytest.raises(StructureError, match="or at 'coupling' beside it"):
+        graph.finish()
+
+
 def test_bonds_join_equal_domains_only() -> None:
     graph = BondGraph("mixed")
     graph.one("shaft", Se("torque"), I("j"), domain="rotation")

@@ -196,17 +196,21 @@ def _check_signal(graph: "FinishedGraph", owner: str, signal: Signal) -> None:
             (owner, node.name),
             f"Name the bond instead: {names}.",
         )
+    other: type[Node]
     if isinstance(node, OneJunction) and signal.quantity in _EFFORTS:
-        common, kind = "flow", "1"
+        common, kind, other = "flow", "1", ZeroJunction
     elif isinstance(node, ZeroJunction) and signal.quantity in _FLOWS:
-        common, kind = "effort", "0"
+        common, kind, other = "effort", "0", OneJunction
     else:
         return
+    beyond = (bond.other(signal.place) for bond in graph.bonds_at(signal.place))
+    beside = [repr(name) for name in beyond if isinstance(graph.node(name), other)]
+    also = f", or at {' or '.join(beside)} beside it" if beside else ""
     raise StructureError(
         f"{owner!r} reads {signal}, but the {kind}-junction {signal.place!r} has only "
         f"its {common} in common.",
         (owner, signal.place),
-        f"Read it at a bond: {names}.",
+        f"Read it at a bond: {names}{also}.",
     )
 
 
