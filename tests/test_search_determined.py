@@ -40,9 +40,12 @@ def told(monkeypatch):
         ),
     )
 
-    def told(physics, null, bearing):
+    def told(physics, null, bearing, *, is_slip=False):
         law = SimpleNamespace(
-            physics=physics, strengths=("height",), parameters=("height",)
+            physics=physics,
+            strengths=("height",),
+            parameters=("height",),
+            is_slip=is_slip,
         )
         candidate = SimpleNamespace(hypothesis=law, fitted=fitted([null], bearing))
         kept, others = determined(fitted([], bearing), [candidate])
@@ -64,3 +67,8 @@ def test_what_is_there_and_is_not_told_beside_a_curve_is_held_against_it(told):
 def test_a_curve_may_share_with_what_is_there(told):
     assert told(CURVE, (0.7, 0.0, 0.7), bearing=1e-3) is None
     assert told("drag", (0.7, 0.0, 0.7), bearing=1e-3) == REASON
+
+
+def test_what_was_plugged_wrong_adds_no_number_to_be_determined(told):
+    assert told("input_swap", (1.0, 0.0, 0.0), bearing=0.1, is_slip=True) is None
+    assert told("input_scale", (1.0, 0.0, 0.0), bearing=0.1) == REASON

@@ -2,21 +2,28 @@
 
 What seems a worse law may be a fit that ended too early. A wider law's values without
 its additions, a narrower one's with them, and the same law's at another place are
-better starts; every candidate is refitted from relatives that fit better.
+better starts; every candidate is refitted from relatives that fit better. So is one
+that comes close to the best law at its place: a weight and a spring that bends leave
+nearly the same, and the one whose fit took the model's own numbers into another valley
+would lose by that alone.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
 from operator import attrgetter
 
-from bondgraph.diagnosis.candidates import Candidate
+from bondgraph.diagnosis.candidates import CURVE, Candidate
 from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, fit_fully
 from bondgraph.diagnosis.search.trials.vanished import begun_again
+from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import Hypothesis
 
 RELATIVE_BETTER = 0.99
 """A relative that costs less than this share is a better start."""
+
+CLOSE = 0.9
+"""One that takes away this share of what the best at its place does comes close."""
 
 WIDER = 4
 """Laws that contain the leading one are tried from its optimum, at most so many."""
@@ -36,7 +43,8 @@ def related(
         Trial(own.hypothesis, from_relative(own, other))
         for own in candidates
         for other in candidates
-        if other.cost < RELATIVE_BETTER * own.cost and _akin(own, other)
+        if other.cost < RELATIVE_BETTER * own.cost
+        and (_akin(own, other) or _close(own, other, candidates, bench.base))
     ]
     leading = min(candidates, key=attrgetter("cost"))
     kept = {id(candidate.hypothesis) for candidate in candidates}
@@ -63,6 +71,23 @@ def _akin(own: Candidate, other: Candidate) -> bool:
     if a.place == b.place:
         return a.contains(b) or b.contains(a)
     return a.physics == b.physics and own.complexity == other.complexity
+
+
+def _close(
+    own: Candidate, other: Candidate, candidates: Sequence[Candidate], base: FittedModel
+) -> bool:
+    """Return whether the other is the best law at one place and this comes close."""
+    place = own.hypothesis.place
+    there = [
+        one
+        for one in candidates
+        if one.hypothesis.place == place and one.hypothesis.physics != CURVE
+    ]
+    if not any(one is own for one in there) or other is not min(
+        there, key=attrgetter("cost")
+    ):
+        return False
+    return own.reduction(base) >= CLOSE * other.reduction(base)
 
 
 def _shared(other: Candidate) -> dict[str, float]:

@@ -33,14 +33,19 @@ def undetermined_directions(fitted: FittedModel) -> int:
 def determined(
     base: FittedModel, candidates: Sequence[Candidate]
 ) -> tuple[list[Candidate], tuple[Rejected, ...]]:
-    """Return the candidates that add nothing undetermined, and the others."""
+    """Return the candidates that add nothing undetermined, and the others.
+
+    What was plugged wrong has no number of its own to be determined: that plugged right
+    the recordings tell the model's own less well is how they were made.
+    """
     if not candidates:
         return [], ()
     known = undetermined_directions(base)
     kept: list[Candidate] = []
     others: list[Rejected] = []
     for candidate in candidates:
-        if _undetermined(candidate) > known:
+        slip = candidate.hypothesis.is_slip
+        if not slip and _undetermined(candidate) > known:
             others.append(Rejected(candidate.hypothesis, REASON))
         elif _without_memory(candidate):
             others.append(Rejected(candidate.hypothesis, AT_ONCE))

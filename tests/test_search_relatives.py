@@ -1,0 +1,64 @@
+"""A law that comes close to the best at its place is fitted from there as well."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from bondgraph.diagnosis.candidates import CURVE
+from bondgraph.diagnosis.search.laws import relatives
+
+
+def law(physics, cost, place="dish", coupling=0.0):
+    """Return a fitted law of one number, beside the model's own coupling."""
+    own = f"{physics}_{place}"
+    hypothesis = SimpleNamespace(
+        physics=physics, place=place, parameters=(own,), strengths=(own,),
+        contains=lambda other: False,
+    )  # fmt: skip
+    theta, names = np.array([coupling, 7.0]), ("coupling", own)
+    fitted = SimpleNamespace(
+        optimum=SimpleNamespace(theta=theta, initial=None, cost=cost),
+        problem=SimpleNamespace(free_names=names, solver=None),
+        graph=SimpleNamespace(parameters={own: SimpleNamespace(unit="N")}),
+    )
+    return SimpleNamespace(
+        hypothesis=hypothesis, fitted=fitted, cost=cost, complexity=1,
+        reduction=lambda base: 1.0 - cost / base.optimum.cost,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def refitted(monkeypatch):
+    """Return a function that says what was fitted again, and from which coupling."""
+    monkeypatch.setattr(relatives, "begun_again", lambda _: [])
+
+    def refitted(*laws):
+        asked = []
+
+        def run(work, trials, what):
+            asked.extend(
+                (t.hypothesis.physics, t.starts[0].values["coupling"]) for t in trials
+            )
+            return []
+
+        base = SimpleNamespace(optimum=SimpleNamespace(cost=1.0))
+        bench = SimpleNamespace(base=base, run=run, candidates=lambda *_: [])
+        relatives.related(bench, list(laws), ())
+        return asked
+
+    return refitted
+
+
+def test_a_close_rival_begins_again_in_the_valley_of_the_best(refitted):
+    bends = law("hardening_spring", 0.058, coupling=0.024)
+    weight = law("gravity", 0.064, coupling=0.0004)
+    assert refitted(bends, weight) == [("gravity", 0.024)]
+
+
+def test_what_is_far_behind_or_elsewhere_or_a_curve_does_not(refitted):
+    best = law("hardening_spring", 0.058, coupling=0.024)
+    assert refitted(best, law("spring", 0.31)) == []
+    assert refitted(best, law("gravity", 0.064, place="vane")) == []
+    assert refitted(best, law(CURVE, 0.064)) == []
+    assert refitted(law(CURVE, 0.05), law("gravity", 0.064)) == []
