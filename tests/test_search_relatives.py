@@ -20,6 +20,7 @@ def law(physics, cost, place="dish", coupling=0.0):
     fitted = SimpleNamespace(
         optimum=SimpleNamespace(theta=theta, initial=None, cost=cost),
         problem=SimpleNamespace(free_names=names, solver=None),
+        values={},
         graph=SimpleNamespace(parameters={own: SimpleNamespace(unit="N")}),
     )
     return SimpleNamespace(
