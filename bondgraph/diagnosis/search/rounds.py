@@ -21,6 +21,7 @@ from bondgraph.diagnosis.search.one_round import one_round
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.revising.curve_beside import told_instead, with_curve
 from bondgraph.diagnosis.search.revising.exchange import Reached
+from bondgraph.diagnosis.search.revising.fitted_anew import fitted_anew
 from bondgraph.diagnosis.search.revising.otherwise_held import held_as_found
 from bondgraph.diagnosis.search.revising.reconsidered import reconsidered
 from bondgraph.diagnosis.search.revising.removal import fitted_with
@@ -121,6 +122,8 @@ def _searched(
         if not made:
             short = found.cut_short or shop.limit.undone > done
             return [*rounds, replace(found, cut_short=short)]
+        if not shop.limit.passed:
+            made, fitted = fitted_anew(made, fitted, setting)
         rounds += made
         reached = _handed_on(reached, fitted, added, options)
         if shares_of(rounds)[-1] < MERE_SHAPE:
