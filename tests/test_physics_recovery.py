@@ -93,7 +93,6 @@ CASES = [
         2,
         steady=True,
     ),
-    Case("damper", "DirectionDependentFriction", "oil", {"asymmetry": 0.4}),
     Case(
         "wheel",
         "DirectionDependentFriction",

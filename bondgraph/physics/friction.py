@@ -1,4 +1,4 @@
-"""Friction: an effort against the flow, at a 1-junction or in a damper's own law."""
+"""Friction at a 1-junction: an effort against the flow."""
 
 from collections.abc import Iterator
 from types import MappingProxyType
@@ -19,14 +19,10 @@ from bondgraph.physics.places.base import (
     F,
     Place,
 )
-from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import OneJunctionPlace
 from bondgraph.structure.domains import ELECTRICAL
 from bondgraph.structure.elements import Resistance
 from bondgraph.structure.signals import f
-
-TURNS = 0.01
-"""Of the typical flow: how narrow the turn of a damper is from one way to the other."""
 
 
 class ViscousFriction(AbstractPhysics):
@@ -94,7 +90,7 @@ class VoltageDrop(CoulombFriction):
 
 
 class DirectionDependentFriction(AbstractPhysics):
-    """Friction whose size differs between the two directions: dry, or a damper's."""
+    """Dry friction whose size differs between the two directions."""
 
     word = "direction_dependent_friction"
     reference = "Armstrong-Hélouvry et al., Automatica 30, 1994, section 2"
@@ -106,13 +102,8 @@ class DirectionDependentFriction(AbstractPhysics):
         """Yield it where no fitted constant source sits.
 
         Beside one it says nothing of its own: in motion the two are the same. Of a
-        steady table also one that is another where it is slow. And for every linear
-        damper: that of a wheel is harder in rebound than in compression.
+        steady table also one that is another where it is slow.
         """
-        if isinstance(place, ElementPlace) and self.suits(place):
-            if isinstance(place.element, Resistance) and place.element.law is None:
-                yield self._of_damper(place)
-            return
         if not isinstance(place, OneJunctionPlace) or not self.suits(place):
             return
         if place.has_free_bias:
@@ -120,18 +111,6 @@ class DirectionDependentFriction(AbstractPhysics):
         yield self._law(place, the_same)
         if place.is_steady:
             yield self._law(place, changing)
-
-    def _of_damper(self, place: ElementPlace) -> Hypothesis:
-        a = place.strength("asymmetry", "1", (0.0, 0.3, -0.3), low=-1.0, high=1.0)
-        width = place.edge("turning_flow", place.unit(F), TURNS * place.flow)
-        law = place.usual_law * (1 + a.symbol * sympy.tanh(f / width.symbol))
-        edit = place.replace(law, a, width)
-        words = (
-            f"{place.name} resists more ahead, by a share (asymmetry) of its mean, and "
-            "less back"
-        )
-        coefficients, also = (a, width), place.junctions
-        return self.hypothesis(place, edit, law, coefficients, words, also=also)
 
     def _law(self, place: OneJunctionPlace, when_slow: WhenSlow) -> Hypothesis:
         sizes = (0.0, 0.3 * place.effort)

@@ -45,15 +45,15 @@ class SensorBias(AbstractPhysics):
     signature = "a constant error of one reading; other sensors do not see it"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield two for outputs: a constant one, and one that drifts as well.
+        """Yield two for outputs without a fitted offset: a constant, and a drift too.
 
-        Without the constant where an offset of its own is fitted, or where it reads an
-        integral that nothing else reads: that has a free origin, which is an offset.
+        The drift alone of an integral that nothing else reads: that has a free origin,
+        which is an offset.
         """
-        if not isinstance(place, OutputPlace):
+        if not isinstance(place, OutputPlace) or _has_free(place, factor=False):
             return
         d = place.strength("sensor_drift", f"({place.channel_unit})/s")
-        known = _has_free(place, factor=False) or _origin_is_free(place)
+        known = _origin_is_free(place)
         if not known:
             b = place.strength("sensor_bias", place.channel_unit)
             law = place.signal + b.symbol
