@@ -241,7 +241,7 @@ def test_what_led_by_new_states_in_every_window_does_not_hide_what_came_behind(
     monkeypatch,
 ):
     soft, loose, weight = (SimpleNamespace(told_by=(w,)) for w in "abc")
-    rounds = iter([[loose], []])
+    rounds = iter([[soft], [loose], []])
     asked = []
 
     def judged(*_):
@@ -262,7 +262,6 @@ def test_what_led_by_new_states_in_every_window_does_not_hide_what_came_behind(
     monkeypatch.setattr(one_round, "_judged", judged)
     setting = SimpleNamespace(options=Options(), noise=None)
     leading = [one_round.Promised(law, 0.9) for law in (soft, loose, weight)]
-    seen = one_round._Seen(one_round.Verdicts(), (forgotten(soft),))
-    seen = one_round._led_by_others(setting, None, leading, {}, 1.0, seen)
-    assert asked == [[loose, weight], [weight]]
+    seen = one_round._led(setting, None, leading, {}, 1.0)
+    assert asked == [[soft, loose, weight], [loose, weight], [weight]]
     assert seen.verdicts.chosen is weight

@@ -152,3 +152,18 @@ def test_a_root_law_is_steered_by_the_jet_that_meets_its_hole():
     assert (curve.physics, curve.place) == ("unknown_relation", "outlet")
     assert "outlet changes with jet" in curve.statement
     assert found.held_out.after.nrmse < 0.1 * found.held_out.before.nrmse
+
+
+def test_a_number_of_the_law_that_is_nothing_is_held_at_nothing():
+    graph = BondGraph("tank", domain="hydraulic")
+    law = sympy.Symbol("hole") * e + sympy.Symbol("seep")
+    graph.zero("tank", Sf("jet"), C("area"), R("outlet", law=law))
+    graph.measure("level", effort("tank"))
+    graph.parameter("area", 1.2, "m^3/Pa")
+    graph.parameter("hole", 1.6)
+    graph.parameter("seep", 0.0)
+    (place,) = (p for p in all_places(graph.finish(), Scales()) if p.name == "outlet")
+    (steered,) = (h for h in UnknownRelation().propose(place) if "jet" in h.words)
+    held = {p.name: p.value for p in steered.edit.parameters if p.exact}
+    assert held["usual_hole_outlet"] == 1.6
+    assert held["usual_seep_outlet"] == 0.0

@@ -6,7 +6,7 @@ from dataclasses import replace
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import Place, Q
+from bondgraph.physics.places.base import Coefficient, Place, Q
 from bondgraph.physics.places.channels import OutputPlace
 from bondgraph.physics.slips import FACTORS, SLIPS, own_values
 from bondgraph.structure.elements import Compliance
@@ -52,20 +52,17 @@ class SensorBias(AbstractPhysics):
         """
         if not isinstance(place, OutputPlace) or _has_free(place, factor=False):
             return
-        d = place.strength("sensor_drift", f"({place.channel_unit})/s")
-        known = _origin_is_free(place)
-        if not known:
+        read, own = place.signal, list[Coefficient]()
+        if not _origin_is_free(place):
             b = place.strength("sensor_bias", place.channel_unit)
-            law = place.signal + b.symbol
+            read, own = read + b.symbol, [b]
             words = f"{place.name} reads with a constant offset"
-            yield self.hypothesis(place, place.become(law, b), law, (b,), words)
-        own = (d,) if known else (b, d)
-        law = place.signal + d.symbol * t + (0 if known else b.symbol)
+            yield self.hypothesis(place, place.become(read, b), read, (b,), words)
+        d = place.strength("sensor_drift", f"({place.channel_unit})/s")
+        law, extends = read + d.symbol * t, (self.word,) if own else ()
         words = f"{place.name} reads what grows with time beside what is there"
-        yield self.hypothesis(
-            place, place.become(law, *own), law, own, words,
-            extends=() if known else (self.word,),
-        )  # fmt: skip
+        edit, both = place.become(law, *own, d), (*own, d)
+        yield self.hypothesis(place, edit, law, both, words, extends=extends)
 
 
 class SensorNonlinearity(AbstractPhysics):

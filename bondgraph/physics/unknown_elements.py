@@ -139,7 +139,10 @@ def _as_it_is(place: ElementPlace) -> tuple[sympy.Expr, list[Coefficient]]:
         if law.has(symbol) and parameter.name not in elsewhere:
             is_own = parameter.name == place.name
             stem = "usual" if is_own else f"usual_{parameter.name}"
-            now = place.scales.fitted.get(parameter.name) or parameter.value or 1.0
+            now = place.scales.fitted.get(parameter.name, parameter.value)
+            # A resistance of nothing has no size; in a written law a number may be 0.
+            if now is None or (is_own and now == 0.0):
+                now = 1.0
             held.append(place.constant(stem, parameter.unit, now))
             law = law.subs(symbol, held[-1].symbol)
     return law, held

@@ -69,10 +69,7 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
     screened = screen(bench, hypotheses)
     leading = promising(screened.promised, options)
     order = {one.told_by: i for i, one in enumerate(hypotheses)}
-    fitted = fit_best(bench, leading, HOPELESS, options.judged)
-    fitted = begun_elsewhere(bench, fitted, setting.noise)
-    seen = _judged(setting, bench, fitted, order, screened.independent)
-    seen = _led_by_others(setting, bench, leading, order, screened.independent, seen)
+    seen = _led(setting, bench, leading, order, screened.independent)
     if setting.is_first and explainable(base, setting.noise) > MUCH:
         first = {id(one.hypothesis) for one in leading}
         others = [one for one in screened.promised if id(one.hypothesis) not in first]
@@ -142,28 +139,28 @@ def _judged(
     return _Seen(verdicts, (*seen.rejected, *rejected))
 
 
-def _led_by_others(
+def _led(
     setting: Setting,
     bench: Bench,
     leading: Sequence[Promised],
     order: Mapping[tuple[str, ...], int],
     tried: float,
-    seen: "_Seen",
 ) -> "_Seen":
-    """Judge what was left behind by laws that led over windows and by nothing else.
+    """Fit and judge what promises most, without what leads over windows alone.
 
     What remembers takes any value anew in every window. Where all that led did so, what
     came less far without is fitted to the end after all.
     """
-    for _ in range(LED_ASTRAY):
+    seen = _Seen(Verdicts(), ())
+    for _ in range(1 + LED_ASTRAY):
+        fitted = fit_best(bench, leading, HOPELESS, setting.options.judged)
+        fitted = begun_elsewhere(bench, fitted, setting.noise)
+        seen = _judged(setting, bench, fitted, order, tried, seen)
         hollow = {r.hypothesis.told_by for r in seen.rejected if r.reason == FORGETS}
         others = [one for one in leading if one.hypothesis.told_by not in hollow]
         if seen.verdicts.chosen is not None or len(others) == len(leading):
             break
-        leading, options = others, setting.options
-        fitted = fit_best(bench, leading, HOPELESS, options.judged)
-        fitted = begun_elsewhere(bench, fitted, setting.noise)
-        seen = _judged(setting, bench, fitted, order, tried, seen)
+        leading = others
     return seen
 
 
