@@ -250,13 +250,7 @@ CASES = [
         "wheel", "SpeedLimit", "shaft", {"flow_limit": 4.0, "flow_limit_steepness": 1.0}
     ),
     Case("slider", "SensorBias", "position", {"sensor_bias": 0.01}),
-    Case(
-        "slider",
-        "SensorBias",
-        "position",
-        {"sensor_bias": 0.01, "sensor_drift": 0.002},
-        1,
-    ),
+    Case("wheel", "SensorBias", "angle", {"sensor_drift": 0.002}),
     Case("slider", "SensorScale", "position", {"sensor_scale": 1.1}),
     Case("slider", "InputScale", "force", {"input_scale": 0.9}),
     Case("heaters", "InputScale", "heater1", {"share_lost_to_heater2": 0.3}, 4),

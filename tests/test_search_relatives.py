@@ -9,7 +9,7 @@ from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.search.laws import relatives
 
 
-def law(physics, cost, place="dish", coupling=0.0):
+def law(physics, cost, place="dish", coupling=0.0, complexity=1):
     """Return a fitted law of one number, beside the model's own coupling."""
     own = f"{physics}_{place}"
     hypothesis = SimpleNamespace(
@@ -24,7 +24,7 @@ def law(physics, cost, place="dish", coupling=0.0):
         graph=SimpleNamespace(parameters={own: SimpleNamespace(unit="N")}),
     )
     return SimpleNamespace(
-        hypothesis=hypothesis, fitted=fitted, cost=cost, complexity=1,
+        hypothesis=hypothesis, fitted=fitted, cost=cost, complexity=complexity,
         reduction=lambda base: 1.0 - cost / base.optimum.cost,
     )  # fmt: skip
 
@@ -52,13 +52,14 @@ def refitted(monkeypatch):
 
 
 def test_a_close_rival_begins_again_in_the_valley_of_the_best(refitted):
-    bends = law("hardening_spring", 0.058, coupling=0.024)
+    bends = law("hardening_spring", 0.058, coupling=0.024, complexity=4)
     weight = law("gravity", 0.064, coupling=0.0004)
     assert refitted(bends, weight) == [("gravity", 0.024)]
 
 
 def test_what_is_far_behind_or_elsewhere_or_a_curve_does_not(refitted):
-    best = law("hardening_spring", 0.058, coupling=0.024)
+    best = law("hardening_spring", 0.058, coupling=0.024, complexity=4)
+    assert refitted(best, law("gravity", 0.064, complexity=4)) == []
     assert refitted(best, law("spring", 0.31)) == []
     assert refitted(best, law("gravity", 0.064, place="vane")) == []
     assert refitted(best, law(CURVE, 0.064)) == []

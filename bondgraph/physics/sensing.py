@@ -6,7 +6,7 @@ from dataclasses import replace
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import Coefficient, Place, Q
+from bondgraph.physics.places.base import Place, Q
 from bondgraph.physics.places.channels import OutputPlace
 from bondgraph.physics.slips import FACTORS, SLIPS, own_values
 from bondgraph.structure.elements import Compliance
@@ -37,7 +37,7 @@ class SensorScale(AbstractPhysics):
 
 
 class SensorBias(AbstractPhysics):
-    """A reading with an offset, or with one that grows: a drift."""
+    """A reading with an offset, or an integral that drifts."""
 
     word = "sensor_bias"
     reference = "zero error of a sensor"
@@ -45,24 +45,22 @@ class SensorBias(AbstractPhysics):
     signature = "a constant error of one reading; other sensors do not see it"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield two for outputs without a fitted offset: a constant, and a drift too.
+        """Yield it for outputs without a fitted offset of their own.
 
-        The drift alone of an integral that nothing else reads: that has a free origin,
-        which is an offset.
+        An integral that nothing else reads has a free origin, which is an offset: that
+        may drift, as it does where what is integrated is off.
         """
         if not isinstance(place, OutputPlace) or _has_free(place, factor=False):
             return
-        read, own = place.signal, list[Coefficient]()
-        if not _origin_is_free(place):
+        if _origin_is_free(place):
+            b = place.strength("sensor_drift", f"({place.channel_unit})/s")
+            law = place.signal + b.symbol * t
+            words = f"{place.name} drifts: it reads more and more than what is there"
+        else:
             b = place.strength("sensor_bias", place.channel_unit)
-            read, own = read + b.symbol, [b]
+            law = place.signal + b.symbol
             words = f"{place.name} reads with a constant offset"
-            yield self.hypothesis(place, place.become(read, b), read, (b,), words)
-        d = place.strength("sensor_drift", f"({place.channel_unit})/s")
-        law, extends = read + d.symbol * t, (self.word,) if own else ()
-        words = f"{place.name} reads what grows with time beside what is there"
-        edit, both = place.become(law, *own, d), (*own, d)
-        yield self.hypothesis(place, edit, law, both, words, extends=extends)
+        yield self.hypothesis(place, place.become(law, b), law, (b,), words)
 
 
 class SensorNonlinearity(AbstractPhysics):

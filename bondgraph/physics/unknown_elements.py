@@ -77,8 +77,9 @@ def forms_of_element(
 def _elsewhere(place: ElementPlace) -> Iterator[ChannelPlace]:
     """Yield what is recorded, changes, and is not beside a resistance already.
 
-    A flow into the store that it empties is not beside it: its jet may meet the outlet.
-    A drive beside a friction is, for one that grows with the load has laws of its own.
+    A flow into the store that it empties is not beside one whose law is written: its
+    jet may meet the outlet. A linear one that only bends would seem to be steered by
+    it. A drive beside a friction is: one that grows with the load has laws of its own.
     """
     graph = place.graph
     beside: set[str] = {place.name, *place.junctions}
@@ -86,7 +87,8 @@ def _elsewhere(place: ElementPlace) -> Iterator[ChannelPlace]:
         bonds = graph.bonds_at(junction)
         beside |= {bond.name for bond in bonds}
         beside |= {bond.other(junction) for bond in bonds}
-        if not place.is_one_junction(junction):
+        bent = place.element.law is not None
+        if bent and not place.is_one_junction(junction):
             beside -= {s.name for s in graph.inputs if isinstance(s, FlowSource)}
     # What a command has become steers sooner than the command does.
     channels: list[ChannelPlace] = [

@@ -2,10 +2,10 @@
 
 What seems a worse law may be a fit that ended too early. A wider law's values without
 its additions, a narrower one's with them, and the same law's at another place are
-better starts; every candidate is refitted from relatives that fit better. So is one
-that comes close to the best law at its place: a weight and a spring that bends leave
-nearly the same, and the one whose fit took the model's own numbers into another valley
-would lose by that alone.
+better starts; every candidate is refitted from relatives that fit better. So is a
+plainer one that comes close to the best law at its place: a weight and a spring that
+bends leave nearly the same, and the one whose fit took the model's own numbers into
+another valley would lose by that alone.
 """
 
 from collections.abc import Sequence
@@ -76,7 +76,7 @@ def _akin(own: Candidate, other: Candidate) -> bool:
 def _close(
     own: Candidate, other: Candidate, candidates: Sequence[Candidate], base: FittedModel
 ) -> bool:
-    """Return whether the other is the best law at one place and this comes close."""
+    """Return whether the other is the best law there and this one, plainer, close."""
     place = own.hypothesis.place
     there = [
         one
@@ -87,7 +87,8 @@ def _close(
         there, key=attrgetter("cost")
     ):
         return False
-    return own.reduction(base) >= CLOSE * other.reduction(base)
+    near = own.reduction(base) >= CLOSE * other.reduction(base)
+    return near and own.complexity < other.complexity
 
 
 def _shared(other: Candidate) -> dict[str, float]:
