@@ -67,7 +67,7 @@ MARCH = types.Tuple((_MATRIX, _MATRIX, _MATRIX, _MATRIX))(
 def _digest() -> str:
     """Return a name for the sources of what is compiled, as they are."""
     whole = hashlib.sha256()
-    loops = (HOME / f"{name}.py" for name in ("compiling", "laws", "stepping"))
+    loops = (HOME / f"{name}.py" for name in ("compiling", "laws", "paths", "stepping"))
     for source in (*loops, *sorted((HOME / "machines").glob("*.py"))):
         whole.update(source.name.encode() + b"\0" + source.read_bytes() + b"\0")
     return whole.hexdigest()[:16]

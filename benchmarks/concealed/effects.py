@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.concealed import laws, stepping
+from benchmarks.concealed import laws, paths
 from benchmarks.concealed.machine import Machine, Place, Site
 
 
@@ -98,25 +98,25 @@ PLACE_LAWS: Mapping[str, tuple[int, Callable[[float, Scales], Numbers]]] = {
 
 INPUT_LAWS: Mapping[str, tuple[int, Callable[[float, float, float, float], Numbers]]]
 INPUT_LAWS = {
-    "constant_bias": (stepping.IN_BIAS, lambda a, u, top, T: (a * u,)),
-    "input_scale": (stepping.IN_SCALE, lambda a, u, top, T: (a,)),
-    "saturation": (stepping.IN_SATURATION, lambda a, u, top, T: ((1.0 - a) * top,)),
-    "dead_zone": (stepping.IN_DEAD_ZONE, lambda a, u, top, T: (a * u,)),
-    "lag": (stepping.IN_LAG, lambda a, u, top, T: (0.3 * a * T,)),
-    "delay": (stepping.IN_DELAY, lambda a, u, top, T: (0.3 * a * T,)),
-    "speed_dependent_gain": (stepping.IN_SPEED_GAIN, lambda a, u, top, T: (-a, 0.0)),
+    "constant_bias": (paths.IN_BIAS, lambda a, u, top, T: (a * u,)),
+    "input_scale": (paths.IN_SCALE, lambda a, u, top, T: (a,)),
+    "saturation": (paths.IN_SATURATION, lambda a, u, top, T: ((1.0 - a) * top,)),
+    "dead_zone": (paths.IN_DEAD_ZONE, lambda a, u, top, T: (a * u,)),
+    "lag": (paths.IN_LAG, lambda a, u, top, T: (0.3 * a * T,)),
+    "delay": (paths.IN_DELAY, lambda a, u, top, T: (0.3 * a * T,)),
+    "speed_dependent_gain": (paths.IN_SPEED_GAIN, lambda a, u, top, T: (-a, 0.0)),
 }
 """Numbers from amplitude, rms and peak of the input, and the shortest period T."""
 
 OUTPUT_LAWS: Mapping[str, tuple[int, Callable[[float, float, float, float], Numbers]]]
 OUTPUT_LAWS = {
-    "sensor_scale": (stepping.OUT_SCALE, lambda a, y, top, T: (a,)),
-    "sensor_bias": (stepping.OUT_BIAS, lambda a, y, top, T: (a * y,)),
-    "sensor_nonlinearity": (stepping.OUT_CUBIC, lambda a, y, top, T: (-a / top**2,)),
-    "sensor_clipping": (stepping.OUT_CLIP, lambda a, y, top, T: ((1.0 - a) * top,)),
-    "sensor_drift": (stepping.OUT_DRIFT, lambda a, y, top, T: (a * y / (100.0 * T),)),
-    "lag": (stepping.OUT_LAG, lambda a, y, top, T: (0.3 * a * T,)),
-    "delay": (stepping.OUT_DELAY, lambda a, y, top, T: (0.3 * a * T,)),
+    "sensor_scale": (paths.OUT_SCALE, lambda a, y, top, T: (a,)),
+    "sensor_bias": (paths.OUT_BIAS, lambda a, y, top, T: (a * y,)),
+    "sensor_nonlinearity": (paths.OUT_CUBIC, lambda a, y, top, T: (-a / top**2,)),
+    "sensor_clipping": (paths.OUT_CLIP, lambda a, y, top, T: ((1.0 - a) * top,)),
+    "sensor_drift": (paths.OUT_DRIFT, lambda a, y, top, T: (a * y / (100.0 * T),)),
+    "lag": (paths.OUT_LAG, lambda a, y, top, T: (0.3 * a * T,)),
+    "delay": (paths.OUT_DELAY, lambda a, y, top, T: (0.3 * a * T,)),
 }
 
 

@@ -6,8 +6,7 @@ smooth efforts at the middle, dry efforts as impulses by projection on the inter
 what they can bear, with several dry laws by Gauss-Seidel sweeps. It is of second order
 where the motion is smooth and holds exactly where it sticks.
 
-Between two samples the applied input is constant (zero-order hold). A loop may be
-closed: the controller sees what the sensor gives, noise and steps included.
+Between two samples the applied input is constant (zero-order hold).
 """
 
 import math
@@ -16,13 +15,9 @@ import numpy as np
 
 from benchmarks.concealed.compiling import MARCH, PUSH, compiled
 from benchmarks.concealed.laws import DRY, dry_limits, remember, smooth_effort
+from benchmarks.concealed.paths import command, drive, lag_readings, sense
 
 SWEEPS = 8
-
-IN_NONE, IN_BIAS, IN_SATURATION, IN_DEAD_ZONE, IN_LAG, IN_DELAY = range(6)
-IN_SPEED_GAIN, IN_SCALE = 6, 7
-OUT_NONE, OUT_SCALE, OUT_BIAS, OUT_CUBIC, OUT_LAG, OUT_DELAY, OUT_CLIP = range(7)
-OUT_DRIFT = 7
 
 
 @compiled()
@@ -42,49 +37,6 @@ def solve_spd(M, b, n):
         for k in range(i + 1, n):
             b[i] -= M[k, i] * b[k]
         b[i] /= M[i, i]
-
-
-@compiled()
-def through_input(kind, a, command, commands, k, into, dt, state, speed):
-    """Return what reaches the machine of a commanded input, `into` s after sample k."""
-    applied = command
-    if kind == IN_BIAS:
-        applied = command + a[0]
-    elif kind == IN_SCALE:
-        applied = command * (1.0 + a[0])
-    elif kind == IN_SATURATION:
-        applied = min(max(command, -a[0]), a[0])
-    elif kind == IN_DEAD_ZONE:
-        applied = np.sign(command) * max(abs(command) - a[0], 0.0)
-    elif kind == IN_LAG:
-        applied = state
-    elif kind == IN_DELAY:
-        index = math.floor(k + (into - a[0]) / dt)
-        applied = commands[max(index, 0)]
-    elif kind == IN_SPEED_GAIN:
-        applied = command * (1.0 + a[0] * math.tanh((speed / a[1]) ** 2))
-    return applied
-
-
-@compiled()
-def through_sensor(kind, a, reading, fine, at, h, state):
-    """Return what a sensor gives for the true `reading`; `fine` holds the past."""
-    given = reading
-    if kind == OUT_SCALE:
-        given = reading * (1.0 + a[0])
-    elif kind == OUT_BIAS:
-        given = reading + a[0]
-    elif kind == OUT_CUBIC:
-        given = reading + a[0] * reading**3
-    elif kind == OUT_LAG:
-        given = state
-    elif kind == OUT_DELAY:
-        given = fine[max(at - int(a[0] / h), 0)]
-    elif kind == OUT_CLIP:
-        given = min(max(reading, -a[0]), a[0])
-    elif kind == OUT_DRIFT:
-        given = reading + a[0] * at * h
-    return given
 
 
 @compiled(PUSH)
@@ -152,8 +104,53 @@ def push(  # noqa: PLR0912, C901 - one loop over laws, kept in one piece for spe
             break
 
 
+@compiled()
+def advance(forces, masses, p, u, slots, h, state, spare):
+    """Move the state one small step on; `spare` is room to work in."""
+    q, v, z, acceleration, stored = state
+    v_new, v_mid, F, z_new, z_mid, g, load, M = spare
+    kind, row, _, a, _, memory = slots
+    n = v.size
+    for j in range(n):
+        q[j] += 0.5 * h * v[j]
+    push(forces, masses, q, v, z, u, p, acceleration, slots, h, v, z,
+         v_new, z_new, F, g, load, stored, M)  # fmt: skip
+    v_mid[:] = 0.5 * (v + v_new)
+    z_mid[:] = 0.5 * (z + z_new)
+    push(forces, masses, q, v, z, u, p, acceleration, slots, h, v_mid, z_mid,
+         v_new, z_new, F, g, load, stored, M)  # fmt: skip
+    v_mid[:] = 0.5 * (v + v_new)
+    for j in range(n):
+        acceleration[j] = (v_new[j] - v[j]) / h
+    for m in range(kind.size):
+        s, w = 0.0, 0.0
+        for j in range(n):
+            s += row[m, j] * (q[j] + 0.5 * h * v_new[j])
+            w += row[m, j] * v_mid[j]
+        remember(kind[m], a[m], s, w, memory[m], h)
+    for j in range(n):
+        q[j] += 0.5 * h * v_new[j]
+    v[:] = v_new
+    z[:] = z_new
+
+
+@compiled()
+def note(state, slots, motion, states):
+    """Write down a sample's motion at the places and the whole state."""
+    q, v, z, _, stored = state
+    row, cell = slots[1], slots[2]
+    n = v.size
+    for i in range(row.shape[0]):
+        for j in range(n):
+            motion[2 * i] += row[i, j] * q[j]
+            motion[2 * i + 1] += row[i, j] * v[j]
+        if cell[i] >= 0:
+            motion[2 * i + 1] = stored[cell[i]]
+    states[:n], states[n : 2 * n], states[2 * n :] = q, v, z
+
+
 @compiled(MARCH)
-def march(  # noqa: PLR0912, PLR0915, C901 - the time loop of the whole simulation
+def march(
     forces, masses, readings, p, start, slots, inputs, sensors, control,
     feed, reference, noise, early, dt, fine,
 ):  # fmt: skip
@@ -180,105 +177,44 @@ def march(  # noqa: PLR0912, PLR0915, C901 - the time loop of the whole simulati
         (N, ny) small steps by which a sample is taken too early (jitter).
     """
     q, v, z = start[0].copy(), start[1].copy(), start[2].copy()
-    kind, row, cell, a, _, memory = slots
-    in_kind, in_a = inputs
-    out_kind, out_a, out_step = sensors
-    kp, kd, channel, tau, limit, step = control
     N, nu, ny, n = feed.shape[0], feed.shape[1], noise.shape[1], q.size
     h = dt / fine
     commands, given = np.zeros((nu, N)), np.zeros((N, ny))
     truth = np.zeros((ny, (N - 1) * fine + 1))
-    places = row.shape[0]
-    trail = np.zeros((N, 2 * places))
+    motion = np.zeros((N, 2 * slots[1].shape[0]))
     states = np.zeros((N, 2 * n + z.size))
     y, u = np.zeros(ny), np.zeros(nu)
+    slope, before = np.zeros(control[0].size), np.zeros(control[0].size)
+    state = (q, v, z, np.zeros(n), np.zeros(max(z.size, 1)))
+    acceleration = state[3]
+    spare = (
+        np.zeros(n), np.zeros(n), np.zeros(n),
+        np.zeros(z.size), np.zeros(z.size), np.zeros(z.size),
+        np.zeros(8), np.zeros((n, n)),
+    )  # fmt: skip
     in_state, out_state = feed[0].copy(), np.zeros(ny)
-    acceleration = np.zeros(n)
-    v_new, v_mid, F = np.zeros(n), np.zeros(n), np.zeros(n)
-    z_new, z_mid, g = np.zeros(z.size), np.zeros(z.size), np.zeros(z.size)
-    load, stored, M = np.zeros(8), np.zeros(max(z.size, 1)), np.zeros((n, n))
-    slope, before = np.zeros(kp.size), np.zeros(kp.size)
+    readings(q, v, z, u, p, acceleration, y)
+    truth[:, 0] = y
+    out_state[:] = y
     for k in range(N):
-        readings(q, v, z, u, p, acceleration, y)
+        sense(sensors, truth, k, fine, early[k], noise[k], h, out_state, given[k])
+        note(state, slots, motion[k], states[k])
+        command(
+            control, feed[k], reference[k], given[k], dt, k == 0, slope, before,
+            commands[:, k],
+        )  # fmt: skip
         if k == 0:
-            out_state[:] = y
-        for j in range(ny):
-            truth[j, k * fine] = y[j]
-            at = max(k * fine - early[k, j], 0)
-            true = truth[j, at]
-            true = through_sensor(
-                out_kind[j], out_a[j], true, truth[j], at, h, out_state[j]
-            )
-            given[k, j] = true + noise[k, j]
-            if out_step[j] > 0.0:
-                given[k, j] = np.round(given[k, j] / out_step[j]) * out_step[j]
-        for i in range(places):
-            for j in range(n):
-                trail[k, 2 * i] += row[i, j] * q[j]
-                trail[k, 2 * i + 1] += row[i, j] * v[j]
-            if cell[i] >= 0:
-                trail[k, 2 * i + 1] = stored[cell[i]]
-        states[k, :n], states[k, n : 2 * n], states[k, 2 * n :] = q, v, z
-        for j in range(nu):
-            commands[j, k] = feed[k, j]
-        for j in range(kp.size):
-            sensed = given[k, channel[j]]
-            if k == 0:
-                before[j] = sensed
-            share = dt / (dt + tau[j])
-            slope[j] += share * ((sensed - before[j]) / dt - slope[j])
-            before[j] = sensed
-            commands[j, k] += kp[j] * (reference[k, j] - sensed) - kd[j] * slope[j]
-            commands[j, k] = min(max(commands[j, k], -limit), limit)
-            if step > 0.0:
-                commands[j, k] = np.round(commands[j, k] / step) * step
-        if k == 0:
-            for j in range(nu):
-                in_state[j] = commands[j, 0]
+            in_state[:] = commands[:, 0]
         if k + 1 == N:
             break
         for i in range(fine):
             speed = v[0] if n > 0 else z[0]
-            for j in range(nu):
-                command = commands[j, k]
-                if in_kind[j] == IN_LAG:
-                    fade = math.exp(-h / in_a[j, 0])
-                    middle = command + (in_state[j] - command) * math.sqrt(fade)
-                    in_state[j] = command + (in_state[j] - command) * fade
-                    u[j] = middle
-                else:
-                    u[j] = through_input(
-                        in_kind[j], in_a[j], command, commands[j], k,
-                        (i + 0.5) * h, dt, in_state[j], speed,
-                    )  # fmt: skip
-            for j in range(n):
-                q[j] += 0.5 * h * v[j]
-            push(forces, masses, q, v, z, u, p, acceleration, slots, h, v, z,
-                 v_new, z_new, F, g, load, stored, M)  # fmt: skip
-            v_mid[:] = 0.5 * (v + v_new)
-            z_mid[:] = 0.5 * (z + z_new)
-            push(forces, masses, q, v, z, u, p, acceleration, slots, h, v_mid, z_mid,
-                 v_new, z_new, F, g, load, stored, M)  # fmt: skip
-            v_mid[:] = 0.5 * (v + v_new)
-            for j in range(n):
-                acceleration[j] = (v_new[j] - v[j]) / h
-            for m in range(kind.size):
-                s, w = 0.0, 0.0
-                for j in range(n):
-                    s += row[m, j] * (q[j] + 0.5 * h * v_new[j])
-                    w += row[m, j] * v_mid[j]
-                remember(kind[m], a[m], s, w, memory[m], h)
-            for j in range(n):
-                q[j] += 0.5 * h * v_new[j]
-            v[:] = v_new
-            z[:] = z_new
+            drive(inputs, commands, k, i, dt, h, in_state, speed, u)
+            advance(forces, masses, p, u, slots, h, state, spare)
             if not (np.all(np.isfinite(v)) and np.all(np.isfinite(z))):
                 given[:] = np.nan
-                return commands, given, states, trail
+                return commands, given, states, motion
             readings(q, v, z, u, p, acceleration, y)
-            for j in range(ny):
-                truth[j, k * fine + i + 1] = y[j]
-                if out_kind[j] == OUT_LAG:
-                    fade = math.exp(-h / out_a[j, 0])
-                    out_state[j] = y[j] + (out_state[j] - y[j]) * fade
-    return commands, given, states, trail
+            truth[:, k * fine + i + 1] = y
+            lag_readings(sensors, y, h, out_state)
+    return commands, given, states, motion
