@@ -24,6 +24,7 @@ from bondgraph import (
 )
 from bondgraph.diagnosis.search.base import horizons
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import fit_model
 from bondgraph.fitting.horizon import cut
 from bondgraph.fitting.levenberg_marquardt import minimise
@@ -162,3 +163,10 @@ def test_a_fit_from_beyond_a_bound_begins_at_it(iterations):
     assert iterations or mass == 1.0
     at = linearise_windows(fitted.problem, found.theta, found.initial)
     np.testing.assert_allclose(found.linearisation.residuals, at.residuals)
+
+
+def test_rows_of_a_table_that_states_of_their_own_explain_are_refused():
+    channels = {"force": (np.arange(9.0), "N"), "v": (np.arange(9.0) / 3.0, "m/s")}
+    table = bind_to(runaway(), Recording.from_arrays("table", None, channels))
+    with pytest.raises(FitError, match="stores p_m: a state of its own in every row"):
+        fit(runaway(), [table])

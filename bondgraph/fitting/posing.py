@@ -36,6 +36,12 @@ def pose(
     ----------
     sigma
         Residual scale per output; the outputs' standard deviations when None.
+
+    Raises
+    ------
+    FitError
+        If the model measures nothing, or as many states as it measures are free in
+        every row of a steady table.
     """
     if not model.output_names:
         raise FitError(
@@ -43,6 +49,8 @@ def pose(
             (graph.name,),
             'Add an output with measure("name", displacement="junction").',
         )
+    if shots.timeless and 0 < len(model.output_names) <= model.n_states:
+        _refuse_free_rows(graph, model)
     values = graph.parameters.values_by_name()
     members = [graph.parameters[name] for name in model.parameter_names]
     free = [i for i, member in enumerate(members) if not member.exact]
@@ -62,4 +70,15 @@ def pose(
         hold=settings.hold,
         loss=settings.loss,
         correlation=np.zeros(len(model.output_names)),
+    )
+
+
+def _refuse_free_rows(graph: FinishedGraph, model: NumericModel) -> None:
+    """Refuse a table each of whose rows a state of its own would explain."""
+    states, outputs = model.state_names, model.output_names
+    raise FitError(
+        f"{graph.name!r} stores {', '.join(states)}: a state of its own in every row "
+        f"of a steady table explains whatever {', '.join(outputs)} may be.",
+        (graph.name, *states),
+        "Leave out what stores: where nothing changes with time it takes up nothing.",
     )

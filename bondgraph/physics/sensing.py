@@ -13,6 +13,9 @@ from bondgraph.structure.elements import Compliance
 from bondgraph.structure.nodes import written_laws
 from bondgraph.structure.signals import Signal, parameters_in, signals_in, t
 
+NEAR_ZERO = 0.01
+"""A power is a line within this share of the largest reading."""
+
 
 class SensorScale(AbstractPhysics):
     """A reading in another proportion than the model says."""
@@ -72,7 +75,11 @@ class SensorNonlinearity(AbstractPhysics):
     signature = "an error that depends on the reading alone; what follows is untouched"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield a bent curve, a limit on either side, and a rectified reading."""
+        """Yield a bent curve, limits, a rectified reading, a power of what is there.
+
+        A meter that takes a flow from a pressure reads its square; what should undo
+        that, its root.
+        """
         if not isinstance(place, OutputPlace):
             return
         yield self._bent(place)
@@ -81,6 +88,7 @@ class SensorNonlinearity(AbstractPhysics):
         yield self._cut(place, high, low, "lower")
         if low < 0.0 < high:
             yield self._rectified(place)
+        yield self._raised(place)
 
     def _bent(self, place: OutputPlace) -> Hypothesis:
         # At the peak it reads at most twice what is there, for each of the two bends.
@@ -112,6 +120,15 @@ class SensorNonlinearity(AbstractPhysics):
         law = (1 - share.symbol) * place.signal + folded
         words = f"{place.name} reads the size and not the sign (rectified)"
         return self.hypothesis(place, place.become(law, share), law, (share,), words)
+
+    def _raised(self, place: OutputPlace) -> Hypothesis:
+        power = place.strength("sensor_power", "1", (0.0, 0.2), low=-0.8, high=3.0)
+        size = place.constant("sensor_size", place.channel_unit, place.peak)
+        share = sympy.sqrt((place.signal / size.symbol) ** 2 + NEAR_ZERO**2)
+        law = place.signal * share**power.symbol
+        words = f"{place.name} reads a power of what is there, one higher than told"
+        edit = place.become(law, power, size)
+        return self.hypothesis(place, edit, law, (power, size), words)
 
 
 def _has_free(place: OutputPlace, *, factor: bool) -> bool:

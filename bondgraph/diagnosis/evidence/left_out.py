@@ -94,9 +94,20 @@ def chunk_labels(problem: FitProblem, chunks: int) -> NDArray[np.int64]:
     return np.arange(n, dtype=np.int64) * chunks // n
 
 
-def left_out_errors(fitted: FittedModel, chunks: int) -> LeftOutErrors:
+def left_out_errors(
+    fitted: FittedModel, chunks: int, *, in_one: bool = False
+) -> LeftOutErrors:
     """Refit without each fold in turn and return the errors on what was left out.
 
+    Parameters
+    ----------
+    in_one
+        Leave out neighbouring chunks together, a quarter of the recordings in one piece
+        each time. What a machine does between two chunks that are known a law of many
+        numbers may know by heart, and still not carry over to another stretch.
+
+    Notes
+    -----
     Where whole windows are left out, their initial states have to come from somewhere:
     from their first halves, and the second halves are predicted. A model with more
     states would else be judged by how well they fit what it is judged on.
@@ -107,7 +118,8 @@ def left_out_errors(fitted: FittedModel, chunks: int) -> LeftOutErrors:
     totals, nats = np.zeros(chunks), np.zeros(MOST_CHUNKS)
     unknowns, samples = len(problem.free) + fitted.optimum.initial.size, 0
     for fold in range(FOLDS):
-        test = labels % FOLDS == fold
+        fold_of = labels * FOLDS // chunks if in_one else labels % FOLDS
+        test = fold_of == fold
         begins = _first_halves(problem, test)
         residuals = _fold_residuals(fitted, test, begins)
         squared = (residuals**2).sum(axis=1)

@@ -39,9 +39,10 @@ ROUGHNESS = (1.0, 3.0, 10.0, 30.0, 100.0)
 def as_fine_as_told(bench: Bench, chosen: Judged, before: LeftOutErrors) -> Judged:
     """Return the chosen candidate; a curve as the smooth one that predicts best.
 
-    Left-out data decide how smooth, by the mean log error of the chunks: one chunk that
-    alone reaches an end of the curve would decide a sum. Where no smooth curve predicts
-    them as well as the first one, that stays.
+    Left-out data decide how smooth, a quarter of all left out in one piece each time,
+    and by the mean log error of the chunks: one chunk that alone reaches an end of the
+    curve would decide a sum. Where no smooth curve predicts them as well as the first
+    one, that stays.
 
     Parameters
     ----------
@@ -59,7 +60,8 @@ def as_fine_as_told(bench: Bench, chosen: Judged, before: LeftOutErrors) -> Judg
             best = drawn
     if best is first:
         return chosen
-    errors = replace(best.errors, noise=chosen.errors.noise)
+    errors = left_out_errors(best.candidate.fitted, chunks)
+    errors = replace(errors, noise=chosen.errors.noise)
     gain = compare(before, errors)
     reason = f"reduces the left-out error by {gain}"
     return replace(
@@ -119,9 +121,8 @@ class _Drawing:
     """A curve, and how well it predicts chunks that are left out."""
 
     def __init__(self, candidate: Candidate, chunks: int) -> None:
-        self.candidate = candidate
-        self.errors = left_out_errors(candidate.fitted, chunks)
-        left = self.errors.chunks
+        self.candidate, self.chunks = candidate, chunks
+        left = left_out_errors(candidate.fitted, chunks, in_one=True).chunks
         self.typical = float(np.mean(np.log(np.maximum(left, 1e-12 * left.max()))))
         """Mean log of the squared errors on left-out chunks."""
 
@@ -135,7 +136,7 @@ def _as_rough_as_told(bench: Bench, first: _Drawing, odd: bool) -> _Drawing | No
             break  # No roughness makes a curve go both ways.
         if found is None:
             continue
-        drawn = _Drawing(found, len(first.errors.chunks))
+        drawn = _Drawing(found, first.chunks)
         if best is None or drawn.typical <= best.typical:
             best = drawn
         elif best.typical <= first.typical:

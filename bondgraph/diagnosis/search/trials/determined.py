@@ -4,20 +4,32 @@ A law whose own numbers nothing determines explains the data by something else t
 can also be: hysteresis over a distance never travelled is a spring. It is left aside in
 favour of what it stands for. A strength of its own is another matter: that nothing
 tells how steep an edge or how rigid a stop is says only that it is as steep as can be.
+
+Two equal times look undetermined: near there only their sum shows, to first order. But
+neither can be none. So a time that its standard error does not tell from none is set to
+none, and the rest fitted: where that does clearly worse the time is there.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate, Rejected
 from bondgraph.fitting.certainty.uncertainty import uncertainty
 from bondgraph.fitting.estimate import FittedModel
+from bondgraph.fitting.levenberg_marquardt import minimise
 
 AT_ONCE = "the time it would take to answer is not told from none"
 
 LEAST = 1.05
 """A time within this factor of its lower bound is at it."""
+
+CLEARLY = 1.1
+"""A fit whose cost is larger by this factor is clearly worse."""
+
+ITERATIONS = 12
+"""Enough to see whether a model without a time does nearly as well."""
 
 TRACE = 1e-3
 """A smaller share in a direction is none."""
@@ -45,7 +57,7 @@ def determined(
     others: list[Rejected] = []
     for candidate in candidates:
         slip = candidate.hypothesis.is_slip
-        if not slip and _undetermined(candidate) > known:
+        if not slip and _undetermined(candidate) > known and not _remembers(candidate):
             others.append(Rejected(candidate.hypothesis, REASON))
         elif _without_memory(candidate):
             others.append(Rejected(candidate.hypothesis, AT_ONCE))
@@ -77,13 +89,46 @@ def _without_memory(candidate: Candidate) -> bool:
 
     A law that answers at once is another law, for which memory is only a disguise.
     """
-    fitted, own = candidate.fitted, candidate.hypothesis.parameters
+    fitted = candidate.fitted
     problem, stds = fitted.problem, uncertainty(fitted.problem, fitted.optimum).std
-    for k, i in enumerate(problem.free):
-        name = problem.model.parameter_names[i]
-        if name in own and fitted.graph.parameters[name].unit == "s":
-            value = float(fitted.optimum.theta[k])
-            short = value <= LEAST * float(problem.low[i])
-            if short or not stds[k] <= abs(value):
-                return True
+    for k in _times(candidate):
+        value = float(fitted.optimum.theta[k])
+        if value <= LEAST * float(problem.low[problem.free[k]]):
+            return True
+        if not stds[k] <= abs(value) and not _worse_at_once(fitted, k):
+            return True
     return False
+
+
+def _remembers(candidate: Candidate) -> bool:
+    """Return whether all that is undetermined are times, none of which can be none."""
+    fitted, times = candidate.fitted, _times(candidate)
+    null = np.abs(uncertainty(fitted.problem, fitted.optimum).null)
+    own = np.isin(fitted.problem.free_names, list(candidate.hypothesis.parameters))
+    own[list(times)] = False
+    if not times or null[:, own].max(initial=0.0) > TRACE:
+        return False
+    return all(_worse_at_once(fitted, k) for k in times)
+
+
+def _times(candidate: Candidate) -> tuple[int, ...]:
+    """Return the positions, among what is free, of the law's own times."""
+    fitted, own = candidate.fitted, candidate.hypothesis.parameters
+    parameters = fitted.graph.parameters
+    return tuple(
+        k
+        for k, name in enumerate(fitted.problem.free_names)
+        if name in own and parameters[name].unit == "s"
+    )
+
+
+def _worse_at_once(fitted: FittedModel, k: int) -> bool:
+    """Return whether the model does clearly worse where a time of it is none."""
+    problem, optimum = fitted.problem, fitted.optimum
+    start = problem.start.copy()
+    start[problem.free[k]] = problem.low[problem.free[k]]
+    at_once = replace(problem, start=start, free=np.delete(problem.free, k))
+    found = minimise(
+        at_once, np.delete(optimum.theta, k), optimum.initial, iterations=ITERATIONS
+    )
+    return bool(np.isfinite(found.cost) and found.cost > CLEARLY * optimum.cost)
