@@ -85,8 +85,10 @@ def diagnosed(channel: str, spoil: Spoil):
             "sensor_lower_limit",
             -0.19,
         ),
+        ("velocity", np.abs, "sensor_nonlinearity", "rectified", 1.0),
+        ("position", np.abs, "sensor_nonlinearity", "rectified", 1.0),
     ],
-    ids=["wrong sign", "wrong unit", "wrong zero", "saturated"],
+    ids=["wrong sign", "wrong unit", "wrong zero", "saturated", "rate", "way"],
 )
 def test_what_a_sensor_gets_wrong_is_found_at_that_sensor(
     channel, spoil, physics, number, value

@@ -72,3 +72,12 @@ def test_slow_friction_is_of_steady_tables():
     for scales, there in ((moving, False), (rows, True)):
         words = [one.words for one in proposed(graph, scales)]
         assert any("where it is slow" in told for told in words) is there
+
+
+@pytest.mark.parametrize(
+    ("least", "may_be_folded"), [(-1.0, True), (0.0, True), (0.05, True), (0.5, False)]
+)
+def test_a_reading_without_a_sign_comes_near_to_zero(least, may_be_folded):
+    read = Scales(ranges={"angle": (least, 1.0)})
+    words = [one.words for one in proposed(pendulum(driven=True), read)]
+    assert any("the size and not the sign" in one for one in words) == may_be_folded

@@ -13,6 +13,9 @@ from bondgraph.structure.elements import Compliance
 from bondgraph.structure.nodes import written_laws
 from bondgraph.structure.signals import Signal, parameters_in, signals_in, t
 
+TOUCHES = 0.1
+"""A reading that comes this near to zero, in its largest values, may turn there."""
+
 NEAR_ZERO = 0.01
 """A power is a line within this share of the largest reading."""
 
@@ -86,7 +89,7 @@ class SensorNonlinearity(AbstractPhysics):
         low, high = place.range
         yield self._cut(place, low, high, "upper")
         yield self._cut(place, high, low, "lower")
-        if low < 0.0 < high:
+        if low < TOUCHES * high:
             yield self._rectified(place)
         yield self._raised(place)
 
