@@ -1,6 +1,7 @@
 """Misreadings: single samples that jump away and back are no motion, and no physics.
 
 They are taken for missing, so that no law is bent to explain them, and they are told.
+So are angles that begin again after a whole turn; they are made to go on.
 """
 
 from collections.abc import Sequence
@@ -9,40 +10,58 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.channel import FloatArray
 from bondgraph.recordings.noise import outliers
+from bondgraph.recordings.turns import unwrapped
 
 
 @dataclass(frozen=True, slots=True)
 class Cleared:
-    """Recordings whose misread samples are missing, and a sentence for each channel."""
+    """Recordings as they can be compared, and a sentence for each channel changed."""
 
     recordings: tuple[BoundRecording, ...]
     notes: tuple[str, ...]
 
 
 def without_misreadings(recordings: Sequence[BoundRecording]) -> Cleared:
-    """Return recordings with misread samples of outputs taken for missing."""
+    """Return recordings with misread samples of outputs missing, and angles that go on.
+
+    Only what was measured is looked at, not what was commanded.
+    """
     cleared, notes = [], []
     for recording in recordings:
+        told: list[str] = []
         outputs = recording.outputs.copy()
         for column, name in enumerate(recording.output_names):
-            rows = _misread(recording, column)
-            if not len(rows):
-                continue
-            outputs[rows, column] = np.nan
-            where = ", ".join(str(row) for row in rows[:5])
-            more = f" and {len(rows) - 5} more" if len(rows) > 5 else ""
-            notes.append(
-                f"{name} of {recording.name} jumps away and back at sample "
-                f"{where}{more} (counted from 0): taken for a misreading, not used."
-            )
-        found = bool(np.isnan(outputs).sum() > np.isnan(recording.outputs).sum())
-        cleared.append(replace(recording, outputs=outputs) if found else recording)
+            of = f"{name} of {recording.name}"
+            if not recording.steady:
+                unit = recording.output_units[column]
+                told += _gone_on(outputs[:, column], unit, of)
+                told += _left_out(outputs[:, column], recording.time, of)
+        cleared.append(replace(recording, outputs=outputs) if told else recording)
+        notes += told
     return Cleared(tuple(cleared), tuple(notes))
 
 
-def _misread(recording: BoundRecording, column: int) -> list[int]:
-    if recording.steady:
+def _gone_on(values: FloatArray, unit: str, of: str) -> list[str]:
+    """Let `values` of an angle go on, and return what was done."""
+    found = unwrapped(values, unit)
+    if found is None:
         return []
-    rows = outliers(recording.time, recording.outputs[:, column])
-    return [int(row) for row in rows]
+    values[:], times = found
+    often = "once" if times == 1 else f"{times} times"
+    return [f"{of} jumps by a whole turn {often}: taken to go on turning."]
+
+
+def _left_out(values: FloatArray, time: FloatArray, of: str) -> list[str]:
+    """Leave misread samples out of `values`, and return what was done."""
+    rows = [int(row) for row in outliers(time, values)]
+    if not rows:
+        return []
+    values[rows] = np.nan
+    where = ", ".join(str(row) for row in rows[:5])
+    more = f" and {len(rows) - 5} more" if len(rows) > 5 else ""
+    return [
+        f"{of} jumps away and back at sample {where}{more} (counted from 0): taken for "
+        "a misreading, not used."
+    ]
