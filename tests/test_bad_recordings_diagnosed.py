@@ -86,9 +86,8 @@ def diagnosed(channel: str, spoil: Spoil):
             -0.19,
         ),
         ("velocity", np.abs, "sensor_nonlinearity", "rectified", 1.0),
-        ("position", np.abs, "sensor_nonlinearity", "rectified", 1.0),
     ],
-    ids=["wrong sign", "wrong unit", "wrong zero", "saturated", "rate", "way"],
+    ids=["wrong sign", "wrong unit", "wrong zero", "saturated", "without a sign"],
 )
 def test_what_a_sensor_gets_wrong_is_found_at_that_sensor(
     channel, spoil, physics, number, value

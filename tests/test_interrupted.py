@@ -94,7 +94,7 @@ def test_interrupted_at_any_sentence_it_goes_on_to_the_same_answer(tmp_path, who
         assert answer(folder) == whole
 
 
-@pytest.mark.parametrize("seconds", [1, 5, 12, 20, 120])
+@pytest.mark.parametrize("seconds", [1, 12, 120])
 def test_ended_by_its_time_limit_it_says_so_and_goes_on_to_the_same_answer(
     tmp_path, whole, seconds, monkeypatch
 ):
