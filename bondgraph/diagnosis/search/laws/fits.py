@@ -36,6 +36,9 @@ KEPT_PROMISE = 0.8
 ON_THE_WAY = 0.4
 """A law that has come so far towards the leading one and has not ended may pass it."""
 
+TWINS = 1e-4
+"""Reductions that differ by less are the same."""
+
 BEGUN_AGAIN = 2
 """Laws that a fit has let go of are begun again with an effect, at most so many."""
 
@@ -142,7 +145,8 @@ def _kept(reached: Sequence[ShortFit], keep: float, most: int) -> list[ShortFit]
     best, lead = _best(there), _best([one for one in there if one.is_named])
     leading = [
         one for one in there if one.reduction >= keep * (lead if one.is_named else best)
-    ][:most]
+    ]
+    leading = _first(leading, most)
     leading += [one for one in reached if not one.is_there][:BEGUN_AGAIN]
     narrower = [
         one
@@ -151,6 +155,23 @@ def _kept(reached: Sequence[ShortFit], keep: float, most: int) -> list[ShortFit]
         and any(wide.hypothesis.contains(one.hypothesis) for wide in leading)
     ]
     return [*leading, *narrower]
+
+
+def _first(leading: Sequence[ShortFit], most: int) -> list[ShortFit]:
+    """Return the first `most`; those that come equally far count as one.
+
+    They are mostly the same to these sensors, and would keep all others out.
+    """
+    kept: list[ShortFit] = []
+    last = np.inf
+    for one in leading:
+        other = last - one.reduction > TWINS
+        if other and most == 0:
+            break
+        most -= other
+        last = one.reduction
+        kept.append(one)
+    return kept
 
 
 def _best(reached: Sequence[ShortFit]) -> float:
