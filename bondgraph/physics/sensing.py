@@ -70,7 +70,7 @@ class SensorBias(AbstractPhysics):
 
 
 class SensorNonlinearity(AbstractPhysics):
-    """A reading that is bent, cut off or folded over."""
+    """A reading that is bent, cut off, folded over, or a power of what is there."""
 
     word = "sensor_nonlinearity"
     reference = "static calibration curve; rectifying and saturating sensors"
