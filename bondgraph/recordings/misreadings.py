@@ -1,7 +1,8 @@
 """Misreadings: single samples that jump away and back are no motion, and no physics.
 
 They are taken for missing, so that no law is bent to explain them, and they are told.
-So are angles that begin again after a whole turn; they are made to go on.
+So are what is repeated between two updates of a slow sensor, which says nothing new,
+and angles that begin again after a whole turn, which are made to go on.
 """
 
 from collections.abc import Sequence
@@ -11,6 +12,7 @@ import numpy as np
 
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.channel import FloatArray
+from bondgraph.recordings.held import held
 from bondgraph.recordings.noise import outliers
 from bondgraph.recordings.turns import unwrapped
 
@@ -37,6 +39,7 @@ def without_misreadings(recordings: Sequence[BoundRecording]) -> Cleared:
             if not recording.steady:
                 unit = recording.output_units[column]
                 told += _gone_on(outputs[:, column], unit, of)
+                told += _read_anew(outputs[:, column], of)
                 told += _left_out(outputs[:, column], recording.time, of)
         cleared.append(replace(recording, outputs=outputs) if told else recording)
         notes += told
@@ -51,6 +54,18 @@ def _gone_on(values: FloatArray, unit: str, of: str) -> list[str]:
     values[:], times = found
     often = "once" if times == 1 else f"{times} times"
     return [f"{of} jumps by a whole turn {often}: taken to go on turning."]
+
+
+def _read_anew(values: FloatArray, of: str) -> list[str]:
+    """Leave what is merely repeated out of `values`, and return what was done."""
+    found = held(values)
+    if found is None:
+        return []
+    values[found.rows] = np.nan
+    return [
+        f"{of} changes only every {found.every} samples or so: what is repeated in "
+        "between is taken for held, not read anew."
+    ]
 
 
 def _left_out(values: FloatArray, time: FloatArray, of: str) -> list[str]:

@@ -1,0 +1,88 @@
+"""A slow sensor in a fast log: what is repeated is not read anew, and not fitted."""
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from bondgraph import BondGraph, C, FitSettings, I, R, Recording, Se, bind_to, fit
+from bondgraph.recordings.held import held
+from bondgraph.recordings.misreadings import without_misreadings
+from bondgraph.simulation.solvers import Hold
+
+STEP, COUNT, MASS, NOISE = 0.02, 2000, 1.3, 2e-4
+RANDOM = np.random.default_rng(4)
+SLOW = np.cumsum(RANDOM.standard_normal(COUNT)) + 0.1 * RANDOM.standard_normal(COUNT)
+
+
+def every(count):
+    """Return the slow signal as a sensor tells it that is updated every so often."""
+    return np.repeat(SLOW[::count], count)[:COUNT]
+
+
+@pytest.mark.parametrize("count", [2, 5, 30])
+def test_what_is_repeated_is_held(count):
+    found = held(every(count))
+    assert found.every == count
+    assert np.array_equal(found.rows, np.flatnonzero(np.arange(COUNT) % count))
+
+
+def test_updates_need_not_be_regular():
+    lasting = RANDOM.integers(4, 8, COUNT)
+    told = np.repeat(SLOW, lasting)[:COUNT]
+    assert held(told).every in (5, 6)
+
+
+def test_a_grid_does_not_hide_what_is_held():
+    assert held(np.round(every(5), 2)).every == 5
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        SLOW,
+        np.round(SLOW / 10.0) * 10.0,
+        np.round(np.sin(np.arange(COUNT) / 300.0) * 40.0),
+        np.repeat([0.0, 5.0], COUNT // 2),
+        np.full(COUNT, np.nan),
+    ],
+    ids=["read anew", "coarse", "slow and coarse", "a step", "nothing"],
+)
+def test_what_is_read_anew_is_not_held(values):
+    assert held(values) is None
+
+
+def cart():
+    g = BondGraph("cart", domain="translation")
+    g.one("cart", Se("force"), I("mass"), C("spring"), R("rail"))
+    g.measure("position", displacement="cart")
+    g.parameter("mass", 1.1, "kg", bounds=(0.1, 10))
+    g.parameter("spring", 0.4, "m/N", bounds=(0.01, 10))
+    g.parameter("rail", 1.5, "N*s/m", bounds=(0, 50))
+    return g.finish()
+
+
+def logged(count):
+    """Return the recording of the cart whose position is updated every so often."""
+    random = np.random.default_rng(1)
+    force = np.repeat(random.uniform(-3, 3, COUNT // 25), 25)
+    over_a_step = expm(STEP * np.array([[0, 1], [-3 / MASS, -2 / MASS]]))
+    state, position = np.zeros(2), np.zeros(COUNT)
+    for k, pull in enumerate(force):
+        position[k] = state[0]
+        rest = np.array([pull / 3.0, 0.0])
+        state = rest + over_a_step @ (state - rest)
+    position += NOISE * random.standard_normal(COUNT)
+    told = np.repeat(position[::count], count)[:COUNT]
+    channels = {"force": (force, "N"), "position": (told, "m")}
+    time = STEP * np.arange(COUNT)
+    return bind_to(cart(), Recording.from_arrays("run", time, channels))
+
+
+def test_a_slow_sensor_is_not_taken_for_a_late_one():
+    cleared = without_misreadings([logged(5)])
+    (note,) = cleared.notes
+    assert note.startswith("position of run changes only every 5 samples or so: ")
+    result = fit(cart(), cleared.recordings, settings=FitSettings(hold=Hold.ZERO))
+    mass = result.estimate("mass")
+    assert abs(mass.value - MASS) < 3 * mass.std
+    assert result.score.rmse["position"] < 1.1 * NOISE
