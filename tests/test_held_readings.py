@@ -1,11 +1,11 @@
-"""A slow sensor in a fast log: what is repeated is not read anew, and not fitted."""
+"""Sensors that are slow, or have frozen: what is repeated is not read anew."""
 
 import numpy as np
 import pytest
 from scipy.linalg import expm
 
 from bondgraph import BondGraph, C, FitSettings, I, R, Recording, Se, bind_to, fit
-from bondgraph.recordings.held import held
+from bondgraph.recordings.held import frozen, held
 from bondgraph.recordings.misreadings import without_misreadings
 from bondgraph.simulation.solvers import Hold
 
@@ -86,3 +86,43 @@ def test_a_slow_sensor_is_not_taken_for_a_late_one():
     mass = result.estimate("mass")
     assert abs(mass.value - MASS) < 3 * mass.std
     assert result.score.rmse["position"] < 1.1 * NOISE
+
+
+def frozen_at(*stretches):
+    """Return a noisy signal that stands still over stretches of rows, and its time."""
+    time = 0.1 * np.arange(COUNT)
+    told = np.sin(0.3 * time) + 1e-3 * np.random.default_rng(6).standard_normal(COUNT)
+    for begin, end in stretches:
+        told[begin:end] = told[begin]
+    return time, told
+
+
+def test_what_stands_still_and_jumps_was_frozen():
+    time, told = frozen_at((200, 240), (1500, 1525))
+    assert frozen(time, told) == [range(200, 240), range(1500, 1525)]
+
+
+def test_what_rests_and_starts_again_was_not():
+    time, told = frozen_at()
+    told[900:] += told[899] - told[900:].mean()
+    told[600:900] = told[600]
+    told[900:] += told[600] - told[900]  # it goes on from where it has rested
+    assert frozen(time, told) == []
+
+
+def test_a_short_stretch_and_the_end_of_a_range_are_no_ice():
+    time, told = frozen_at((200, 210))
+    assert frozen(time, told) == []
+    assert frozen(time, np.minimum(told, 0.6)) == []
+
+
+def test_frozen_readings_are_left_out_and_told():
+    time, told = frozen_at((200, 240))
+    run = Recording.from_arrays(
+        "run", time, {"force": (np.sin(time), "N"), "position": (told, "m")}
+    )
+    cleared = without_misreadings([bind_to(cart(), run)])
+    (note,) = cleared.notes
+    assert "stands still from sample 200 to 239 (counted from 0) and then jumps" in note
+    left_out = np.flatnonzero(np.isnan(cleared.recordings[0].output("position")))
+    assert np.array_equal(left_out, np.arange(201, 240))

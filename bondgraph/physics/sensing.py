@@ -14,7 +14,9 @@ from bondgraph.structure.nodes import written_laws
 from bondgraph.structure.signals import Signal, parameters_in, signals_in, t
 
 TOUCHES = 0.1
-"""A reading that comes this near to zero, in its largest values, may turn there."""
+"""A reading that comes this near to zero, in its largest values, may turn there; one
+that goes no further beyond it has one sign.
+"""
 
 NEAR_ZERO = 0.01
 """A power is a line within this share of the largest reading."""
@@ -81,7 +83,7 @@ class SensorNonlinearity(AbstractPhysics):
         """Yield a bent curve, limits, a rectified reading, a power of what is there.
 
         A meter that takes a flow from a pressure reads its square; what should undo
-        that, its root.
+        that, its root. So do meters of what has one sign.
         """
         if not isinstance(place, OutputPlace):
             return
@@ -91,7 +93,8 @@ class SensorNonlinearity(AbstractPhysics):
         yield self._cut(place, high, low, "lower")
         if low < TOUCHES * high:
             yield self._rectified(place)
-        yield self._raised(place)
+        if low > -TOUCHES * high or high < -TOUCHES * low:
+            yield self._raised(place)
 
     def _bent(self, place: OutputPlace) -> Hypothesis:
         # At the peak it reads at most twice what is there, for each of the two bends.

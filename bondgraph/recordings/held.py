@@ -1,8 +1,11 @@
-"""Readings that are held: a slow sensor in a fast log.
+"""Readings that are held: a slow sensor in a fast log, or one that has frozen.
 
 Between two of its updates the log repeats what was read last. That is told from a
 sensor that merely does not resolve a change: it then changes by a step or two of its
 grid, in any row; what is held changes by many, and hardly ever in two rows running.
+
+A machine may come to rest, and a reading with it; but it starts again as smoothly as it
+moves. What stands still and then jumps to where the machine is by now was frozen.
 """
 
 from dataclasses import dataclass
@@ -11,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.recordings.channel import FloatArray
-from bondgraph.recordings.noise import quantisation
+from bondgraph.recordings.noise import estimate_noise, quantisation
 
 UPDATES = 20
 """Fewer changes say nothing of how they come."""
@@ -21,6 +24,12 @@ AT_ONCE = 0.05
 
 STEPS = 4.0
 """Changes of fewer steps of the grid are what a sensor does not resolve."""
+
+FROZEN = 15
+"""By noise as large as the grid's step so many readings in a row are not the same."""
+
+JUMPS = 4.0
+"""A change so many times as large as 95 of 100 others is a jump."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,3 +61,32 @@ def held(values: FloatArray) -> Held | None:
         return None
     repeated = there[1:][changes == 0.0]
     return Held(repeated, int(np.median(lasting)))
+
+
+def frozen(time: FloatArray, values: FloatArray) -> list[range]:
+    """Return the stretches of rows in which a sensor has frozen.
+
+    Parameters
+    ----------
+    time
+        Seconds, strictly increasing.
+    values
+        Samples of one channel; nan where nothing was measured.
+    """
+    there = np.flatnonzero(np.isfinite(values))
+    told = values[there]
+    edges = np.flatnonzero(np.diff(told, prepend=np.nan, append=np.nan) != 0.0)
+    long = np.flatnonzero(np.diff(edges) >= FROZEN)
+    if not long.size:
+        return []
+    noise = estimate_noise(time, values)
+    if noise.std < (noise.quantisation or 0.0) or noise.std == 0.0:
+        return []
+    changes = np.abs(np.diff(told))
+    usual = JUMPS * float(np.quantile(changes[changes > 0.0], 0.95))
+    stretches = [(int(edges[k]), int(edges[k + 1])) for k in long]
+    return [
+        range(int(there[begin]), int(there[end - 1]) + 1)
+        for begin, end in stretches
+        if end < told.size and changes[end - 1] > usual
+    ]

@@ -12,7 +12,7 @@ import numpy as np
 
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.channel import FloatArray
-from bondgraph.recordings.held import held
+from bondgraph.recordings.held import frozen, held
 from bondgraph.recordings.noise import outliers
 from bondgraph.recordings.turns import unwrapped
 
@@ -40,6 +40,7 @@ def without_misreadings(recordings: Sequence[BoundRecording]) -> Cleared:
                 unit = recording.output_units[column]
                 told += _gone_on(outputs[:, column], unit, of)
                 told += _read_anew(outputs[:, column], of)
+                told += _thawed(outputs[:, column], recording.time, of)
                 told += _left_out(outputs[:, column], recording.time, of)
         cleared.append(replace(recording, outputs=outputs) if told else recording)
         notes += told
@@ -65,6 +66,21 @@ def _read_anew(values: FloatArray, of: str) -> list[str]:
     return [
         f"{of} changes only every {found.every} samples or so: what is repeated in "
         "between is taken for held, not read anew."
+    ]
+
+
+def _thawed(values: FloatArray, time: FloatArray, of: str) -> list[str]:
+    """Leave stretches in which a sensor has frozen out of `values`, and say so."""
+    stretches = frozen(time, values)
+    for rows in stretches:
+        values[rows.start + 1 : rows.stop] = np.nan
+    if not stretches:
+        return []
+    where = ", ".join(f"{rows.start} to {rows.stop - 1}" for rows in stretches[:3])
+    more = f" and {len(stretches) - 3} more stretches" if len(stretches) > 3 else ""
+    return [
+        f"{of} stands still from sample {where}{more} (counted from 0) and then jumps: "
+        "taken for frozen, not used."
     ]
 
 
