@@ -271,7 +271,6 @@ CASES = [
     Case("slider", "SensorNonlinearity", "position", {"sensor_upper_limit": 0.03}, 1),
     Case("slider", "SensorNonlinearity", "position", {"sensor_lower_limit": -0.03}, 2),
     Case("slider", "SensorNonlinearity", "position", {"rectified": 0.9}, 3),
-    Case("draining_tank", "SensorNonlinearity", "pressure", {"sensor_power": 0.7}, 4),
     Case("slider", "UnknownRelation", "carriage", heights("curve", RUBBING), 2),
     Case("slider", "UnknownRelation", "carriage", heights("curve", DAMPING), 3),
     Case("geared_arm", "UnknownRelation", "gear", heights("curve_joint", RATIO), 1),

@@ -14,9 +14,7 @@ from bondgraph.structure.nodes import written_laws
 from bondgraph.structure.signals import Signal, parameters_in, signals_in, t
 
 TOUCHES = 0.1
-"""A reading that comes this near to zero, in its largest values, may turn there; one
-that goes no further beyond it has one sign.
-"""
+"""A reading that comes this near to zero, in its largest values, may turn there."""
 
 NEAR_ZERO = 0.01
 """A power is a line within this share of the largest reading."""
@@ -82,8 +80,8 @@ class SensorNonlinearity(AbstractPhysics):
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield a bent curve, limits, a rectified reading, a power of what is there.
 
-        A meter that takes a flow from a pressure reads its square; what should undo
-        that, its root. So do meters of what has one sign.
+        A meter that takes a flow from a pressure reads its square. That is proposed of
+        what is worked out from something else, in proportion as the model has it.
         """
         if not isinstance(place, OutputPlace):
             return
@@ -93,7 +91,7 @@ class SensorNonlinearity(AbstractPhysics):
         yield self._cut(place, high, low, "lower")
         if low < TOUCHES * high:
             yield self._rectified(place)
-        if low > -TOUCHES * high or high < -TOUCHES * low:
+        if not isinstance(place.signal, Signal):
             yield self._raised(place)
 
     def _bent(self, place: OutputPlace) -> Hypothesis:

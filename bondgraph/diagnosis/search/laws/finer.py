@@ -5,7 +5,9 @@ curve has been chosen it is drawn finely, smooth first and then rougher and roug
 long as that predicts left-out data better; and once more with both ways the same, which
 has half as much to tell. Few knots do not follow a narrow hump; of what only goes along
 with its variable a curve may do better then. So the nearest rival at another place is
-drawn as well, and the nearest of another variable at the same place.
+drawn as well, and the nearest of another variable at the same place. And where a law
+with a name leaves much that is no noise, curves that come as near with few knots are
+drawn: one that then leaves far less is what the law comes near to.
 """
 
 from collections.abc import Sequence
@@ -31,6 +33,11 @@ PIECES = 8
 
 NEAR = 0.5
 """A rival that takes away this share of what the chosen curve does is drawn finely."""
+
+AS_NEAR, DRAWN, FAR_MORE = 1.5, 3, 3.0
+"""Of curves that leave at most so many times what a law with a name leaves so many are
+drawn finely; the law only comes near where it then leaves so many times what one does.
+"""
 
 ROUGHNESS = (1.0, 3.0, 10.0, 30.0, 100.0)
 """How rough a curve may be, in heights per range, one after the other."""
@@ -89,6 +96,43 @@ def finest_of(
         if lead.value > lead.std:
             first = rival
     return {id(first): drawn[id(first)]} | drawn
+
+
+def drawn_instead(
+    bench: Bench,
+    chosen: Judged,
+    judged: Sequence[Judged],
+    before: LeftOutErrors,
+) -> dict[int, Judged]:
+    """Return curves drawn finely, the best first, that leave far less than a law does.
+
+    Empty where none does. To be asked of a law with a name that leaves much.
+    """
+    drawn = {
+        id(one): as_fine_as_told(bench, one, before) for one in _as_near(chosen, judged)
+    }
+    left = float(chosen.errors.chunks.sum())
+    better = {
+        key: one
+        for key, one in drawn.items()
+        if FAR_MORE * float(one.errors.chunks.sum()) < left
+    }
+    return dict(sorted(better.items(), key=lambda one: -one[1].gain.value))
+
+
+def _as_near(chosen: Judged, judged: Sequence[Judged]) -> list[Judged]:
+    """Return the best curves that come as near, one of each place and variable."""
+    most = AS_NEAR * float(chosen.errors.chunks.sum())
+    near = [
+        one
+        for one in judged
+        if one.physics == CURVE
+        and one.support is Support.SUPPORTED
+        and float(one.errors.chunks.sum()) <= most
+    ]
+    near.sort(key=lambda one: -one.gain.value)
+    of = {(one.place, one.candidate.hypothesis.depends_on): one for one in near[::-1]}
+    return [one for one in near if one in of.values()][:DRAWN]
 
 
 def _rivals(chosen: Judged, judged: Sequence[Judged]) -> list[Judged]:
