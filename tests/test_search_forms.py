@@ -1,12 +1,14 @@
 """Laws of many forms begin with those that promise most; a play's contact is left."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from bondgraph import BondGraph, I, R, Recording, Se, bind_to
 from bondgraph.diagnosis.candidates import Promised
 from bondgraph.diagnosis.probing import measure_scales
-from bondgraph.diagnosis.search.considered import Setting, considered
+from bondgraph.diagnosis.search.considered import Setting, _is_late, considered
 from bondgraph.diagnosis.search.laws.fits import fit_remembering, fit_whatever
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.trials.bench import Bench
@@ -16,6 +18,7 @@ from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.contact import Backlash
+from bondgraph.physics.dynamics import Delay
 from bondgraph.physics.modes import FlexibleMode
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.position import Cogging
@@ -96,3 +99,24 @@ def test_nothing_is_hung_on_the_contact_of_a_play(bench, recordings):
     assert not {name for name in places if "backlash" in name}
     setting = Setting(loose, recordings, zero, Options(), 2, (), False)
     assert {one.place for one in considered(setting) if "backlash" in one.place}
+
+
+def late_again(base, recordings, found):
+    """Return where a delay is considered beside what was found."""
+    setting = Setting(base, recordings, np.zeros(2), Options(), 2, found, False)
+    return {one.place for one in considered(setting) if one.physics == Delay.word}
+
+
+def test_the_only_way_to_a_reading_is_late_once(bench, recordings):
+    (late,) = proposed(bench, Delay(), "force")
+    base = bench.base
+    assert late_again(base, recordings, ()) == {"force", "position"}
+    assert late_again(base, recordings, (late,)) == set()
+    shots = base.problem.shots
+    twice = replace(shots, outputs=np.repeat(shots.outputs, 2, axis=1))
+    two = replace(base, problem=replace(base.problem, shots=twice))
+    assert _is_late(
+        Setting(base, recordings, np.zeros(1), Options(), 2, (late,), False)
+    )
+    other = Setting(two, recordings, np.zeros(2), Options(), 2, (late,), False)
+    assert not _is_late(other)
