@@ -14,7 +14,11 @@ from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.laws.curve_from_law import with_curve_drawn
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.revising import curve_beside
-from bondgraph.diagnosis.search.revising.curve_beside import better_curve, told_instead
+from bondgraph.diagnosis.search.revising.curve_beside import (
+    better_curve,
+    told_if_fine,
+    told_instead,
+)
 from bondgraph.diagnosis.search.revising.removal import fitted_with
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.diagnosis.search.trials.bench import Bench
@@ -96,6 +100,36 @@ def rounds_of(first, curve, second):
         Round(None, judged=(first, curve), chosen=first),
         Round(None, judged=(second,), chosen=second),
     ]
+
+
+@pytest.mark.parametrize(
+    ("physics", "laws_leave", "curve_leaves", "told"),
+    [
+        ("sensor_nonlinearity", 0.97, 0.1, True),
+        ("sensor_nonlinearity", 0.97, 0.8, False),
+        ("sensor_nonlinearity", 0.5, 0.1, False),
+        ("coulomb_friction", 0.97, 0.1, False),
+    ],
+    ids=["all there is", "leaves much itself", "laws leave noise", "a real friction"],
+)
+def test_a_curve_that_leaves_noise_alone_is_told_though_few_knots_left_as_much(
+    monkeypatch, physics, laws_leave, curve_leaves, told
+):
+    law = judged(0.02, physics=physics, place="outlet")
+    rough = judged(0.021, physics=CURVE, place="film", complexity=4)
+    fine = judged(0.001, physics=CURVE, place="film", complexity=30)
+    rounds = [Round("first", judged=(law, rough), chosen=law), Round("last")]
+    left = {"last": laws_leave, id(fine.candidate.fitted): curve_leaves}
+    for name, stand_in in {
+        "explainable": lambda fit, _: left.get(id(fit), left["last"]),
+        "left_out_errors": lambda *_: law.errors,
+        "drawn_as_near": lambda *_: [(rough, fine)],
+        "clearly_better": lambda *_: True,
+    }.items():
+        monkeypatch.setattr(curve_beside, name, stand_in)
+    monkeypatch.setattr(curve_beside.Bench, "of", lambda *_: None)
+    found = told_if_fine(rounds, np.zeros(1), Rule(), None)
+    assert (found is not None and found.curve is rough) == told
 
 
 def test_a_curve_found_elsewhere_does_not_hide_a_better_one():

@@ -16,14 +16,13 @@ from bondgraph.diagnosis.candidates import (
     Promised,
     Rejected,
 )
-from bondgraph.diagnosis.evidence.confidence import probability
 from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.search.base.beyond_noise import explainable, left_beside
 from bondgraph.diagnosis.search.base.runaway import run_away
 from bondgraph.diagnosis.search.considered import Setting, considered, promising
 from bondgraph.diagnosis.search.laws.curve_from_law import with_curve_drawn
 from bondgraph.diagnosis.search.laws.elsewhere import begun_elsewhere
-from bondgraph.diagnosis.search.laws.finer import drawn_instead, finest_of
+from bondgraph.diagnosis.search.laws.finer import finest_of
 from bondgraph.diagnosis.search.laws.fits import (
     fit_best,
     fit_remembering,
@@ -93,41 +92,26 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
         tried = screened.independent + len(again)
         fitted = fit_remembering(bench, again, HOPELESS, options.judged)
         seen = _judged(setting, bench, fitted, order, tried, seen)
-    verdicts = _drawn_finely(setting, bench, seen.verdicts, screened.independent)
+    verdicts, chosen = seen.verdicts, seen.verdicts.chosen
+    judged = with_curve_drawn(
+        bench, verdicts, screened.independent, options.rule, setting.noise
+    )
+    drawn: dict[int, Judged] = {}
+    if chosen is not None and verdicts.before is not None:
+        drawn = finest_of(bench, chosen, judged, verdicts.before)
+        chosen = next(iter(drawn.values()))
+    kept = [drawn.get(id(j), j) for j in judged]
     return Round(
         base,
         len(hypotheses),
         screened.independent,
-        verdicts.judged,
+        tuple(kept),
         screened.promised,
         (*screened.rejected, *seen.rejected),
-        verdicts.chosen,
+        chosen,
         verdicts.probability,
         cut_short=shop.limit.undone > done,
     )
-
-
-def _drawn_finely(
-    setting: Setting, bench: Bench, verdicts: Verdicts, tried: float
-) -> Verdicts:
-    """Return what was judged with curves as fine as the data tell, and the choice."""
-    rule, noise = setting.options.rule, setting.noise
-    judged = with_curve_drawn(bench, verdicts, tried, rule, noise)
-    chosen, before = verdicts.chosen, verdicts.before
-    if chosen is None or before is None:
-        return replace(verdicts, judged=judged)
-    drawn: dict[int, Judged] = {}
-    named = chosen.physics != CURVE
-    if named and explainable(chosen.candidate.fitted, noise) > MUCH:
-        drawn = drawn_instead(bench, chosen, judged, before)
-    instead = bool(drawn)
-    drawn = drawn or finest_of(bench, chosen, judged, before)
-    chosen = next(iter(drawn.values()))
-    kept = tuple(drawn.get(id(one), one) for one in judged)
-    sure = verdicts.probability
-    if instead:
-        sure = probability(chosen, kept, before, rule)
-    return Verdicts(kept, chosen, sure, before)
 
 
 def _judged(

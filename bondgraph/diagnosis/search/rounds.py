@@ -19,7 +19,11 @@ from bondgraph.diagnosis.search.considered import Setting
 from bondgraph.diagnosis.search.making import Made, made_of, or_two
 from bondgraph.diagnosis.search.one_round import one_round
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.revising.curve_beside import told_instead, with_curve
+from bondgraph.diagnosis.search.revising.curve_beside import (
+    told_if_fine,
+    told_instead,
+    with_curve,
+)
 from bondgraph.diagnosis.search.revising.exchange import Reached
 from bondgraph.diagnosis.search.revising.fitted_anew import fitted_anew
 from bondgraph.diagnosis.search.revising.otherwise_held import held_as_found
@@ -66,6 +70,8 @@ def search(
     start = Reached(base, base, (), noise)
     rounds = _searched([], start, recordings, options, shop)
     curve = told_instead(rounds, options.rule)
+    if curve is None and not shop.limit.passed:
+        curve = told_if_fine(rounds, noise, options.rule, shop)
     begun = None
     if curve is not None and not shop.limit.passed:
         shop.progress("again, from a curve that no law with a name comes near to")

@@ -5,9 +5,8 @@ curve has been chosen it is drawn finely, smooth first and then rougher and roug
 long as that predicts left-out data better; and once more with both ways the same, which
 has half as much to tell. Few knots do not follow a narrow hump; of what only goes along
 with its variable a curve may do better then. So the nearest rival at another place is
-drawn as well, and the nearest of another variable at the same place. And where a law
-with a name leaves much that is no noise, curves that come as near with few knots are
-drawn: one that then leaves far less is what the law comes near to.
+drawn as well, and the nearest of another variable at the same place. And where laws
+with names leave much that is no noise, curves that came as near with few knots.
 """
 
 from collections.abc import Sequence
@@ -34,9 +33,9 @@ PIECES = 8
 NEAR = 0.5
 """A rival that takes away this share of what the chosen curve does is drawn finely."""
 
-AS_NEAR, DRAWN, FAR_MORE = 1.5, 3, 3.0
-"""Of curves that leave at most so many times what a law with a name leaves so many are
-drawn finely; the law only comes near where it then leaves so many times what one does.
+AS_NEAR, DRAWN = 1.5, 3
+"""Curves that leave at most so many times what a law with a name leaves come as near;
+so many are drawn finely.
 """
 
 ROUGHNESS = (1.0, 3.0, 10.0, 30.0, 100.0)
@@ -98,26 +97,20 @@ def finest_of(
     return {id(first): drawn[id(first)]} | drawn
 
 
-def drawn_instead(
+def drawn_as_near(
     bench: Bench,
     chosen: Judged,
     judged: Sequence[Judged],
     before: LeftOutErrors,
-) -> dict[int, Judged]:
-    """Return curves drawn finely, the best first, that leave far less than a law does.
+) -> list[tuple[Judged, Judged]]:
+    """Return curves that come as near as a law with a name, and each as drawn finely.
 
-    Empty where none does. To be asked of a law with a name that leaves much.
+    Those that then predict left-out data best come first.
     """
-    drawn = {
-        id(one): as_fine_as_told(bench, one, before) for one in _as_near(chosen, judged)
-    }
-    left = float(chosen.errors.chunks.sum())
-    better = {
-        key: one
-        for key, one in drawn.items()
-        if FAR_MORE * float(one.errors.chunks.sum()) < left
-    }
-    return dict(sorted(better.items(), key=lambda one: -one[1].gain.value))
+    drawn = [
+        (one, as_fine_as_told(bench, one, before)) for one in _as_near(chosen, judged)
+    ]
+    return sorted(drawn, key=lambda pair: -pair[1].gain.value)
 
 
 def _as_near(chosen: Judged, judged: Sequence[Judged]) -> list[Judged]:

@@ -16,7 +16,8 @@ from bondgraph.diagnosis.evidence.judged import Judged, Rule
 from bondgraph.diagnosis.evidence.leads import clearly_better
 from bondgraph.diagnosis.evidence.left_out import left_out_errors
 from bondgraph.diagnosis.records import Support
-from bondgraph.diagnosis.search.laws.finer import finest_of
+from bondgraph.diagnosis.search.base.beyond_noise import Array, explainable
+from bondgraph.diagnosis.search.laws.finer import drawn_as_near, finest_of
 from bondgraph.diagnosis.search.pairs.together import explained
 from bondgraph.diagnosis.search.round_found import Round, made_in
 from bondgraph.diagnosis.search.trials.bench import Bench
@@ -38,6 +39,11 @@ NOT_ALL = 0.05
 """... where they also leave this share of what the first model left, or as much less as
 the curve is better still. Not where dry friction was found by then: of a real machine
 it explains most and not all, and is what its friction is called.
+"""
+
+NOISE_ALONE, FAR_FROM_IT = 0.5, 0.9
+"""A curve is all there is where no more than this share of what it leaves is not noise,
+and laws with names are not where this share of what they leave is not.
 """
 
 DRY = frozenset({
@@ -124,6 +130,37 @@ def told_instead(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
     if len(made_in(rounds)) > 2:
         told = [one for one in _curves_beside(rounds) if one.is_told]
         return min(told, key=lambda one: one.index, default=None)
+    return None
+
+
+def told_if_fine(
+    rounds: Sequence[Round], noise: Array, rule: Rule, shop: Workshop
+) -> BetterCurve | None:
+    """Return a curve to tell in place of named laws that leave much, if any.
+
+    One that came as near as the first of them with few knots, at any place, and leaves
+    little but noise once it is drawn finely. How much of the first model's error is
+    left says nothing here: where that model is far off, whatever bends it takes away
+    nearly all.
+
+    Parameters
+    ----------
+    noise
+        Residual per output that noise excuses, 0 where it is not known.
+    """
+    made, first = made_in(rounds), rounds[0]
+    named = made and all(one.physics not in {CURVE, *DRY} for one in made)
+    chosen, left = first.chosen, rounds[-1].base
+    if not named or chosen is None or explainable(left, noise) <= FAR_FROM_IT:
+        return None
+    before = left_out_errors(first.base, chosen.errors.chunks.size)
+    bench = Bench.of(first.base, shop, "round 1")
+    all_named = _dealt_like(made[-1], chosen)
+    for curve, fine in drawn_as_near(bench, chosen, first.judged, before):
+        held = _held_against(all_named, rounds, 0, fine)
+        all_there_is = explainable(fine.candidate.fitted, noise) <= NOISE_ALONE
+        if all_there_is and clearly_better(fine, all_named, rule):
+            return replace(held, curve=curve)
     return None
 
 
