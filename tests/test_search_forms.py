@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bondgraph import BondGraph, I, R, Recording, Se, bind_to
+from bondgraph import BondGraph, C, I, R, Recording, Se, Sf, bind_to
 from bondgraph.diagnosis.candidates import Promised
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.search.considered import Setting, _is_late, considered
@@ -120,3 +120,28 @@ def test_the_only_way_to_a_reading_is_late_once(bench, recordings):
     )
     other = Setting(two, recordings, np.zeros(2), Options(), 2, (late,), False)
     assert not _is_late(other)
+
+
+def polarised(setting):
+    """Return the polarisations that are considered of a cell."""
+    return [one for one in considered(setting) if "polarisation" in one.words]
+
+
+def test_a_store_behind_a_resistance_may_be_found_twice():
+    g = BondGraph("cell", domain="electrical")
+    g.one("cell", Sf("current"), R("ohmic"), C("charge"))
+    g.measure("voltage", effort="current")
+    g.parameter("ohmic", 0.03, "ohm", bounds=(1e-3, 1))
+    g.parameter("charge", 3000.0, "F", bounds=(1.0, 1e6))
+    model, found = g.finish(), ()
+    current = np.repeat(np.random.default_rng(2).uniform(-2, 2, 20), 20)
+    channels = {"current": (current, "A"), "voltage": (0.03 * current, "V")}
+    run = bind_to(model, Recording.from_arrays("run", np.arange(400.0), channels))
+    for number in (1, 2, 3):
+        base = fit_model(model, [run], FitSettings(iterations=1))
+        setting = Setting(base, [run], np.zeros(1), Options(), number, found, False)
+        proposals = polarised(setting)
+        assert len(proposals) == (number < 3)
+        found = (*found, *proposals)
+        model = proposals[0].apply(model) if proposals else model
+    assert len(set(found[0].parameters + found[1].parameters)) == 4

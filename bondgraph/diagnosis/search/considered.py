@@ -1,5 +1,6 @@
 """What a round of search considers: where it starts, and what belongs there."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -18,11 +19,15 @@ from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.contact import Backlash
 from bondgraph.physics.dynamics import Delay
 from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.physics.relaxation import StoreBehind
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.edits import InsertElement, LoosenBond
 
 Array = NDArray[np.float64]
+
+TWICE = 2
+"""So many stores behind resistances of their own may be found at a place."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,22 +79,37 @@ def considered(setting: Setting) -> tuple[Hypothesis, ...]:
     one. So would a law at the contact of a play that has been found, or one of the very
     variable of which a curve has been found there; not of a displacement, where a
     ripple is finer than any curve. And a second delay on the only way from an input to
-    a reading: few states draw a delay, and two of half the time do so more exactly.
+    a reading: few states draw a delay, and two of half the time do so more exactly. No
+    law is added twice but a store behind a resistance: what spreads through a body or a
+    cell is a row of them.
     """
     contacts = {name for one in setting.found for name in _contact_of(one)}
     drawn = {_variable_of(one) for one in setting.found if one.physics == CURVE}
-    there = {(one.physics, one.place, one.words) for one in setting.found}
+    there = Counter(_as_told(one) for one in setting.found)
     late = _is_late(setting)
     return tuple(
         one
         for one in propose_all(setting.base, setting.options.library)
         if (setting.curves or one.physics != CURVE)
         and (setting.is_first or not one.is_slip)
-        and (one.physics, one.place, one.words) not in there
+        and there[_as_told(one)] < (TWICE if _spreads(one, setting) else 1)
         and one.place not in contacts
         and not (late and one.physics == Delay.word)
         and (_variable_of(one) is None or _variable_of(one) not in drawn)
     )
+
+
+def _as_told(law: Hypothesis) -> tuple[str, str, str]:
+    """Return what makes a law the same as one that was found."""
+    return law.physics, law.place, law.words
+
+
+def _spreads(law: Hypothesis, setting: Setting) -> bool:
+    """Return whether it is a store that fills in a time of its own."""
+    if law.physics != StoreBehind.word:
+        return False
+    added = law.apply(setting.base.graph).parameters
+    return any(added[name].unit == "s" for name in law.parameters)
 
 
 def _is_late(setting: Setting) -> bool:
