@@ -7,7 +7,8 @@ tells how steep an edge or how rigid a stop is says only that it is as steep as 
 
 Two equal times look undetermined: near there only their sum shows, to first order. But
 neither can be none. So a time that its standard error does not tell from none is set to
-none, and the rest fitted: where that does clearly worse the time is there.
+none, and the rest fitted: where that does clearly worse the time is there. Not where
+the model's own fit has run away: from there that says nothing.
 """
 
 from collections.abc import Sequence
@@ -16,6 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate, Rejected
+from bondgraph.diagnosis.search.base.runaway import run_away
 from bondgraph.fitting.certainty.uncertainty import uncertainty
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.levenberg_marquardt import minimise
@@ -59,9 +61,10 @@ def determined(
     others: list[Rejected] = []
     for candidate in candidates:
         slip = candidate.hypothesis.is_slip
-        if not slip and _undetermined(candidate) > known and not _remembers(candidate):
+        told = _undetermined(candidate) <= known
+        if not (slip or told or (_remembers(candidate) and not run_away(base))):
             others.append(Rejected(candidate.hypothesis, REASON))
-        elif _without_memory(candidate):
+        elif _without_memory(candidate, base):
             others.append(Rejected(candidate.hypothesis, AT_ONCE))
         else:
             kept.append(candidate)
@@ -86,7 +89,7 @@ def _undetermined(candidate: Candidate) -> int:
     return int((alone if hypothesis.physics == CURVE else mixed).sum())
 
 
-def _without_memory(candidate: Candidate) -> bool:
+def _without_memory(candidate: Candidate, base: FittedModel) -> bool:
     """Return whether a time of the law is as short as it may be, or hardly known.
 
     A law that answers at once is another law, for which memory is only a disguise.
@@ -97,7 +100,8 @@ def _without_memory(candidate: Candidate) -> bool:
         value = float(fitted.optimum.theta[k])
         if value <= LEAST * float(problem.low[problem.free[k]]):
             return True
-        if not stds[k] <= abs(value) and not _worse_at_once(fitted, k):
+        known = stds[k] <= abs(value)
+        if not known and (run_away(base) or not _worse_at_once(fitted, k)):
             return True
     return False
 
