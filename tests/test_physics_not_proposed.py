@@ -75,9 +75,16 @@ def test_slow_friction_is_of_steady_tables():
 
 
 @pytest.mark.parametrize(
-    ("least", "may_be_folded"), [(-1.0, True), (0.0, True), (0.05, True), (0.5, False)]
+    ("least", "most", "may_be_folded"),
+    [
+        (-1.0, 1.0, True),
+        (0.0, 1.0, True),
+        (0.05, 1.0, True),
+        (0.5, 1.0, False),
+        (-1.0, -0.1, False),
+    ],
 )
-def test_a_reading_without_a_sign_comes_near_to_zero(least, may_be_folded):
-    read = Scales(ranges={"angle": (least, 1.0)})
+def test_a_reading_without_a_sign_comes_near_to_zero(least, most, may_be_folded):
+    read = Scales(ranges={"angle": (least, most)})
     words = [one.words for one in proposed(pendulum(driven=True), read)]
     assert any("the size and not the sign" in one for one in words) == may_be_folded

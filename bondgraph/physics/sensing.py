@@ -89,7 +89,7 @@ class SensorNonlinearity(AbstractPhysics):
         low, high = place.range
         yield self._cut(place, low, high, "upper")
         yield self._cut(place, high, low, "lower")
-        if low < TOUCHES * high:
+        if high > 0.0 and low < TOUCHES * high:
             yield self._rectified(place)
         if not isinstance(place.signal, Signal):
             yield self._raised(place)

@@ -1,8 +1,9 @@
-"""Misreadings: single samples that jump away and back are no motion, and no physics.
+"""Misreadings: what a sensor told that the machine did not do.
 
-They are taken for missing, so that no law is bent to explain them, and they are told.
-So are what is repeated between two updates of a slow sensor, which says nothing new,
-and angles that begin again after a whole turn, which are made to go on.
+A single sample that jumps away and back, a stretch in which a sensor has frozen, and
+what a log repeats between two updates of a slow one are taken for missing, so that no
+law is bent to explain them. An angle that begins again after a whole turn is made to
+go on. All of it is told.
 """
 
 from collections.abc import Sequence
@@ -77,7 +78,7 @@ def _thawed(values: FloatArray, time: FloatArray, of: str) -> list[str]:
     if not stretches:
         return []
     where = ", ".join(f"{rows.start} to {rows.stop - 1}" for rows in stretches[:3])
-    more = f" and {len(stretches) - 3} more stretches" if len(stretches) > 3 else ""
+    more = f" and {len(stretches) - 3} more" if len(stretches) > 3 else ""
     return [
         f"{of} stands still from sample {where}{more} (counted from 0) and then jumps: "
         "taken for frozen, not used."

@@ -92,7 +92,7 @@ def considered(setting: Setting) -> tuple[Hypothesis, ...]:
         for one in propose_all(setting.base, setting.options.library)
         if (setting.curves or one.physics != CURVE)
         and (setting.is_first or not one.is_slip)
-        and there[_as_told(one)] < (TWICE if _spreads(one, setting) else 1)
+        and (there[_as_told(one)] == 0 or _in_a_row(one, there[_as_told(one)], setting))
         and one.place not in contacts
         and not (late and one.physics == Delay.word)
         and (_variable_of(one) is None or _variable_of(one) not in drawn)
@@ -104,9 +104,9 @@ def _as_told(law: Hypothesis) -> tuple[str, str, str]:
     return law.physics, law.place, law.words
 
 
-def _spreads(law: Hypothesis, setting: Setting) -> bool:
-    """Return whether it is a store that fills in a time of its own."""
-    if law.physics != StoreBehind.word:
+def _in_a_row(law: Hypothesis, found: int, setting: Setting) -> bool:
+    """Return whether a store that fills in a time of its own may be found once more."""
+    if law.physics != StoreBehind.word or found >= TWICE:
         return False
     added = law.apply(setting.base.graph).parameters
     return any(added[name].unit == "s" for name in law.parameters)

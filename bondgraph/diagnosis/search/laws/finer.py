@@ -125,9 +125,10 @@ def _as_near(chosen: Judged, judged: Sequence[Judged]) -> list[Judged]:
         and one.support is Support.SUPPORTED
         and float(one.errors.chunks.sum()) <= most
     ]
-    near.sort(key=lambda one: -one.gain.value)
-    of = {(one.place, one.candidate.hypothesis.depends_on): one for one in near[::-1]}
-    return [one for one in near if one in of.values()][:DRAWN]
+    best: dict[tuple[str, tuple[str, ...]], Judged] = {}
+    for one in sorted(near, key=lambda one: -one.gain.value):
+        best.setdefault((one.place, one.candidate.hypothesis.depends_on), one)
+    return list(best.values())[:DRAWN]
 
 
 def _rivals(chosen: Judged, judged: Sequence[Judged]) -> list[Judged]:
@@ -197,7 +198,7 @@ def _that_carries_over(drawings: Sequence[_Drawing]) -> _Drawing:
 def _rougher_and_rougher(bench: Bench, first: _Drawing, odd: bool) -> list[_Drawing]:
     """Return the curve drawn finely, rougher as long as left-out data want it so."""
     drawings: list[_Drawing] = []
-    best, start = first, first.candidate
+    start = first.candidate
     for roughness in ROUGHNESS:
         found = _drawn(bench, first.candidate, start, roughness, odd)
         if found is None and odd:
@@ -205,11 +206,9 @@ def _rougher_and_rougher(bench: Bench, first: _Drawing, odd: bool) -> list[_Draw
         if found is None:
             continue
         drawn = _Drawing(found, first.chunks)
-        worse = drawings and drawn.typical > min(one.typical for one in drawings)
+        best = min((one.typical for one in drawings), default=np.inf)
         drawings.append(drawn)
-        if drawn.typical <= best.typical:
-            best = drawn
-        elif worse and best is not first:
+        if best < drawn.typical and best <= first.typical:
             break
         start = found
     return drawings
