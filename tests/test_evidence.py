@@ -45,6 +45,7 @@ from bondgraph.diagnosis.evidence.left_out import (
 from bondgraph.diagnosis.evidence.surprise import LOST, surprise
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.trials.judging import decide
+from bondgraph.diagnosis.search.trials.worth import LOST_FROM_THE_START
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.fitting.horizon import SHORTEST, Windows
 
@@ -306,10 +307,10 @@ def test_a_simpler_law_that_came_short_by_the_number_tried_is_told_for_a_wider_o
         Support.UNDECIDED,
     ]
     assert "hardly less than" in promoted[1].reason
-    verdicts = decide([wide, near, far], BASE, RULE, lambda _: True)
+    verdicts = decide([wide, near, far], BASE, RULE, lambda *_: None)
     assert verdicts.chosen.physics == "coulomb_friction"
     # Without anything that is supported nothing is.
-    assert decide([near, far], BASE, RULE, lambda _: True).chosen is None
+    assert decide([near, far], BASE, RULE, lambda *_: None).chosen is None
 
 
 def test_a_simpler_law_that_gives_little_of_a_wider_one_is_not_told_for_it():
@@ -327,7 +328,7 @@ def test_what_a_zero_a_little_off_takes_across_the_line_is_not_told():
     kept, beside = with_plainer([wide, off], RULE)
     assert (kept.support, beside.support) == (Support.REFUTED, Support.UNDECIDED)
     assert "hardly more than a constant bias takes away" in kept.reason
-    assert decide([wide, off], BASE, RULE, lambda _: True).chosen is None
+    assert decide([wide, off], BASE, RULE, lambda *_: None).chosen is None
     # It is told where it takes away more, and beside what is not surely there itself.
     most = judged(0.85, physics="cogging", complexity=3)
     assert with_plainer([most, off], RULE)[0] is most
@@ -355,13 +356,15 @@ def test_what_loses_whole_recordings_is_refuted_and_the_next_is_told():
         [best, next_best],
         BASE,
         RULE,
-        lambda candidate: candidate.hypothesis.physics != "runaway",
+        lambda candidate, _: (
+            LOST_FROM_THE_START if candidate.hypothesis.physics == "runaway" else None
+        ),
     )
     assert verdicts.chosen is next_best
     (lost,) = (j for j in verdicts.judged if j.physics == "runaway")
     assert lost.support is Support.REFUTED
     assert "whole recordings" in lost.reason
-    nothing = decide([best], BASE, RULE, lambda _: False)
+    nothing = decide([best], BASE, RULE, lambda *_: LOST_FROM_THE_START)
     assert nothing.chosen is None
     assert nothing.probability is None
 

@@ -1,16 +1,24 @@
-"""Whether numbers of a law are told from none."""
+"""Whether numbers of a law are told from those at which it has no effect."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 
 ERRORS = 2.0
 """A number within so many standard errors of none is not told from it."""
 
+FACTORS = ("sensor_scale", "input_scale")
+"""How numbers begin that have no effect at 1, where others have none at 0."""
 
-def none_told(numbers: Sequence[tuple[float, float | None]]) -> bool:
-    """Return whether there are numbers, each with its error, and none is told from 0.
+
+def none_told(numbers: Mapping[str, tuple[float, float | None]]) -> bool:
+    """Return whether there are numbers, each with its error, and none is told.
 
     An error that is not known, None or not a number, tells nothing.
     """
     return bool(numbers) and not any(
-        std is not None and abs(value) > ERRORS * std for value, std in numbers
+        std is not None and abs(value - _no_effect(name)) > ERRORS * std
+        for name, (value, std) in numbers.items()
     )
+
+
+def _no_effect(name: str) -> float:
+    return 1.0 if name.startswith(FACTORS) else 0.0

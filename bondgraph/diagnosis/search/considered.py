@@ -14,7 +14,7 @@ from bondgraph.diagnosis.candidates import (
     propose_all,
 )
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.trials.worth import holds_for_whole
+from bondgraph.diagnosis.search.trials.worth import fault_of
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.contact import Backlash
 from bondgraph.physics.dynamics import Delay
@@ -66,9 +66,15 @@ class Setting:
         """Whether this is the first round."""
         return self.number == 1
 
-    def holds(self, candidate: Candidate) -> bool:
-        """Return whether whole recordings are simulated about as well with it."""
-        return holds_for_whole(self.base, candidate, self.recordings)
+    def fault(self, candidate: Candidate, chunks: int) -> str | None:
+        """Return why a law that leads is not the one after all, None where it is.
+
+        Parameters
+        ----------
+        chunks
+            Into how many the data are dealt.
+        """
+        return fault_of(self.base, candidate, self.recordings, chunks)
 
 
 def considered(setting: Setting) -> tuple[Hypothesis, ...]:

@@ -19,6 +19,7 @@ from bondgraph.diagnosis.evidence.leftover import noise_floor, too_large
 from bondgraph.diagnosis.search.base.beginnings import Known
 from bondgraph.diagnosis.search.base.beyond_noise import within
 from bondgraph.diagnosis.search.base.horizons import sharpened
+from bondgraph.diagnosis.search.base.short_runs import keeps_what_windows_show
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.remaining import MUCH_REMAINING, remaining
 from bondgraph.diagnosis.search.revising.hollow import without_hollow
@@ -91,7 +92,7 @@ def look(
     shop.progress("refitting the improved model")
     limit = shop.limit
     last = _hurried(options) if limit.passed else options
-    final = sharpened(rounds[-1].base, recordings, last)
+    final = sharpened(rounds[-1].base, recordings, last, base)
     if not limit.passed:
         # What a law adds is told from nothing by numbers that steps do not bend.
         final = told_finely(final)
@@ -144,10 +145,11 @@ def second_look(
             break
         shop.progress("another look, from another fit of the model")
         seen = look(other, recordings, noise, known.options, shop)
-        seen = replace(seen, final=known.released(seen.final))
+        seen = replace(seen, final=known.released(seen.final, other))
         error = seen.error(recordings)
         clean = bool(accepted(first.rounds)) or _as_windows(seen, base, recordings)
-        if accepted(seen.rounds) and clean and is_better(seen, error, best, reached):
+        better = is_better(seen, error, best, reached)
+        if accepted(seen.rounds) and clean and better and _still_shows(seen, first):
             best, reached = seen, error
     return best
 
@@ -179,6 +181,12 @@ def _as_windows(
     return all(
         whole[name] <= AS_WINDOWS * size for name, size in zip(names, left, strict=True)
     )
+
+
+def _still_shows(seen: Look, first: Look) -> bool:
+    """Return whether what laws with names explained in windows is explained still."""
+    base = first.rounds[0].base
+    return not first.is_named or keeps_what_windows_show(seen.final, first.final, base)
 
 
 def _explains(seen: Look, recordings: Sequence[BoundRecording]) -> bool:

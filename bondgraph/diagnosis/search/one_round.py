@@ -134,7 +134,7 @@ def _judged(
     worth.sort(key=lambda candidate: order[candidate.hypothesis.told_by])
     seen = _Seen(Verdicts(), ()) if earlier is None else earlier
     verdicts = judge_all(
-        bench, worth, tried, rule, setting.noise, setting.holds, seen.verdicts
+        bench, worth, tried, rule, setting.noise, setting.fault, seen.verdicts
     )
     return _Seen(verdicts, (*seen.rejected, *rejected))
 

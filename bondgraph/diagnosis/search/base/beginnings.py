@@ -88,8 +88,14 @@ class Known:
         held = self._fitted(self.graph.with_parameters(runaway))
         return () if held is None else (held,)
 
-    def released(self, final: FittedModel) -> FittedModel:
-        """Return the model fitted again, holding no more than is stated."""
+    def released(self, final: FittedModel, base: FittedModel) -> FittedModel:
+        """Return the model fitted again, holding no more than is stated.
+
+        Parameters
+        ----------
+        base
+            The model without additions from which the look began.
+        """
         there = final.graph.with_parameters(final.values)
         stated = [
             replace(one, std=self.graph.parameters[one.name].std)
@@ -99,7 +105,8 @@ class Known:
         free = there.with_parameters(stated)
         if free.parameters == there.parameters:
             return final
-        return sharpened(replace(final, graph=free), self.recordings, self.options)
+        freed = replace(final, graph=free)
+        return sharpened(freed, self.recordings, self.options, base)
 
     def _fitted(self, graph: FinishedGraph) -> FittedModel | None:
         try:

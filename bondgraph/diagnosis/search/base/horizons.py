@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from bondgraph.diagnosis.evidence.left_out import MOST_CHUNKS
+from bondgraph.diagnosis.search.base.short_runs import keeps_what_windows_show
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.fitting.automatic import remembered
 from bondgraph.fitting.estimate import (
@@ -61,14 +62,23 @@ def search_settings(
 
 
 def sharpened(
-    fitted: FittedModel, recordings: Sequence[BoundRecording], options: Options
+    fitted: FittedModel,
+    recordings: Sequence[BoundRecording],
+    options: Options,
+    base: FittedModel,
 ) -> FittedModel:
     """Return the final model refitted over the horizon that suits it.
 
     The search needs many windows; the parameters need windows over which measurement
     noise, not what still is left out, makes the residual. Where whole recordings are
-    then simulated worse than before, or the refit has not left its start because no
-    simulation from there ends, the search's own fit is kept: it knows its numbers.
+    then simulated worse than before, where what its windows show is lost, or where the
+    refit has not left its start because no simulation from there ends, the search's own
+    fit is kept: it knows its numbers.
+
+    Parameters
+    ----------
+    base
+        The model without additions, fitted to the windows of the search.
     """
     settings = replace(
         options.settings, solver=fitted.problem.solver, hold=fitted.problem.hold
@@ -84,7 +94,8 @@ def sharpened(
     before, after = (
         simulate_whole(one, recordings).score.nrmse for one in (fitted, final)
     )
-    return final if after <= SAME * before else fitted
+    better = after <= SAME * before and keeps_what_windows_show(final, fitted, base)
+    return final if better else fitted
 
 
 def refitted(

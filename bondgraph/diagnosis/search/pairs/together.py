@@ -31,7 +31,7 @@ from bondgraph.diagnosis.search.pairs.two import (
 )
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.diagnosis.search.trials.bench import Bench
-from bondgraph.diagnosis.search.trials.worth import holds_for_whole, worth_judging
+from bondgraph.diagnosis.search.trials.worth import fault_of, worth_judging
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.physics.names import name_of
 
@@ -65,7 +65,7 @@ def two_rounds(setting: Setting, found: Round, shop: Workshop) -> tuple[Round, .
     chosen = plainest(supported, rule)
     if chosen is None:
         return ()
-    if not holds_for_whole(base, chosen.pair.both, setting.recordings):
+    if fault_of(base, chosen.pair.both, setting.recordings, chunks) is not None:
         return ()
     # As if the first left half: all errors of its round are larger by the other half.
     times = 1.0 / (1.0 - chosen.half.value)

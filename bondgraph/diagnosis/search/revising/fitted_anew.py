@@ -45,7 +45,7 @@ def fitted_anew(
         solver=fitted.problem.solver,
         hold=fitted.problem.hold,
     )
-    long = sharpened(fitted, setting.recordings, setting.options)
+    long = sharpened(fitted, setting.recordings, setting.options, setting.base)
     anew = refitted(long, setting.recordings, settings)
     told = _judged_there(found, anew, setting)
     return (tuple(made), fitted) if told is None else ((told,), anew)

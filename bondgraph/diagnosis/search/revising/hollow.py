@@ -46,7 +46,7 @@ def without_hollow(
             plain = fitted_with(rounds[0].base, final, others, {})
         except BondGraphError:
             continue  # A later law sits on it.
-        plain = sharpened(plain, recordings, options)
+        plain = sharpened(plain, recordings, options, rounds[0].base)
         if as_good(plain, final, options.rule):
             last, final = left[-1], plain
             left[-1] = replace(last, removed=(*last.removed, law))
@@ -66,7 +66,7 @@ def ends_as_nothing(final: FittedModel, found: Candidate) -> bool:
     )
     fits = zip(problem.free_names, map(float, theta), strict=True)
     own = found.hypothesis.parameters
-    if none_told([(value, float(stds[name])) for name, value in fits if name in own]):
+    if none_told({name: (x, float(stds[name])) for name, x in fits if name in own}):
         return True
     was, now = found.fitted.values, final.values
     return gone_from(was, now, stds, [found.hypothesis], {}) is not None

@@ -19,7 +19,7 @@ from bondgraph.diagnosis.search.base.horizons import sharpened
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.revising.removal import fitted_with
 from bondgraph.diagnosis.search.round_found import Round, accepted, chosen_in
-from bondgraph.diagnosis.search.trials.judging import LOST_FROM_THE_START
+from bondgraph.diagnosis.search.trials.worth import LOST_FROM_THE_START
 from bondgraph.diagnosis.work.limit import Limit
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
@@ -171,4 +171,4 @@ def _sharpened_with(
     values = {name: v for one in kept for name, v in one.fitted.values.items()}
     hypotheses = [one.hypothesis for one in kept]
     fitted = fitted_with(rounds[0].base, final, hypotheses, values)
-    return sharpened(fitted, recordings, options)
+    return sharpened(fitted, recordings, options, rounds[0].base)

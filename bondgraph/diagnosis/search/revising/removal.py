@@ -13,7 +13,8 @@ import numpy as np
 from bondgraph.diagnosis.evidence.gain import compare
 from bondgraph.diagnosis.evidence.judged import Rule
 from bondgraph.diagnosis.evidence.left_out import chunk_count, left_out_errors
-from bondgraph.diagnosis.search.trials.posing import initial_states, suited
+from bondgraph.diagnosis.search.base.begun import initial_states
+from bondgraph.diagnosis.search.trials.posing import suited
 from bondgraph.errors import BondGraphError
 from bondgraph.fitting.certainty.uncertainty import uncertainty
 from bondgraph.fitting.estimate import FittedModel, pose, prepare

@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.search.base.begun import initial_states
 from bondgraph.diagnosis.search.base.steps import is_fine
-from bondgraph.diagnosis.search.trials.posing import initial_states
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.problem import FitProblem, linearise_windows
 from bondgraph.fitting.settling import settle

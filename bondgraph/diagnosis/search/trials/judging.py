@@ -20,10 +20,6 @@ from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, errors_left_out
 
 Array = NDArray[np.float64]
-LOST_FROM_THE_START = (
-    "whole recordings, or long stretches of them, simulated from one initial state, "
-    "are lost"
-)
 TWINS = 1e-3
 """Candidates whose residuals differ by less than this share predict the same."""
 
@@ -50,7 +46,7 @@ def judge_all(
     tried: float,
     rule: Rule,
     noise: Array,
-    holds: Callable[[Candidate], bool],
+    fault: Callable[[Candidate, int], str | None],
     earlier: Verdicts,
 ) -> Verdicts:
     """Judge candidates on left-out data; twins share their errors.
@@ -61,9 +57,9 @@ def judge_all(
         How many independent hypotheses these are the best of.
     noise
         Residual per output that noise excuses, 0 where it is not known.
-    holds
-        Whether a candidate simulates whole recordings as well; asked of the leading
-        ones only.
+    fault
+        Why a candidate is not the one after all, None where it is; asked of the leading
+        ones only, with the number of chunks.
     earlier
         What was said of others already: all are decided together.
     """
@@ -84,7 +80,7 @@ def judge_all(
         judge(candidate, before, errors[i], tried, rule)
         for i, candidate in zip(first, worth, strict=True)
     ]
-    return decide([*earlier.judged, *judged], before, rule, holds)
+    return decide([*earlier.judged, *judged], before, rule, fault)
 
 
 def errors_of(
@@ -112,9 +108,9 @@ def decide(
     judged: Sequence[Judged],
     before: LeftOutErrors,
     rule: Rule,
-    holds: Callable[[Candidate], bool],
+    fault: Callable[[Candidate, int], str | None],
 ) -> Verdicts:
-    """Return the best supported candidate that holds, those that do not refuted.
+    """Return the best supported candidate without a fault, others refuted by theirs.
 
     Parameters
     ----------
@@ -123,11 +119,12 @@ def decide(
     """
     left = list(with_plainer(judged, rule))
     while chosen := best_supported(left, rule):
-        if holds(chosen.candidate):
+        reason = fault(chosen.candidate, before.chunks.size)
+        if reason is None:
             sure = probability(chosen, left, before, rule)
             return Verdicts(tuple(left), chosen, sure, before)
         left[left.index(chosen)] = replace(
-            chosen, support=Support.REFUTED, reason=LOST_FROM_THE_START
+            chosen, support=Support.REFUTED, reason=reason
         )
     return Verdicts(tuple(left), before=before)
 

@@ -86,16 +86,6 @@ def added(base: FittedModel, problem: FitProblem) -> NDArray[np.bool_]:
     return np.array([names[i] not in base.values for i in problem.free], dtype=bool)
 
 
-def initial_states(base: FittedModel, names: Sequence[str]) -> Array:
-    """Return the base model's initial states, with zeros for new states."""
-    known = dict(
-        zip(base.problem.model.state_names, base.optimum.initial.T, strict=True)
-    )
-    zeros = np.zeros(base.problem.shots.n_windows)
-    columns = [known.get(name, zeros) for name in names]
-    return np.column_stack(columns) if columns else zeros[:, None][:, :0]
-
-
 def light(fitted: FittedModel) -> FittedModel:
     """Return a fitted model without what can be simulated again, to be sent away."""
     empty = {field.name: np.zeros(0) for field in fields(Linearisation)}

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.evidence.left_out import left_out_errors
+from bondgraph.diagnosis.search.base.begun import initial_states
 from bondgraph.diagnosis.search.base.runaway import run_away
 from bondgraph.diagnosis.search.base.steps import faithful
 from bondgraph.diagnosis.search.trials.at_rest import (
@@ -21,7 +22,6 @@ from bondgraph.diagnosis.search.trials.at_rest import (
 )
 from bondgraph.diagnosis.search.trials.posing import (
     added,
-    initial_states,
     pose_hypothesis,
     thetas,
 )
@@ -243,7 +243,11 @@ def _best(
     # From a model that has run away the promise of a law says little.
     enough = 1.0 if run_away(base) else trial.enough
     solver = problem.solver
-    for theta, initial in _begin(base, trial, problem):
+    begun = _begin(base, trial, problem)
+    if trial.hypothesis.is_never_none and len(begun) > 1:
+        # The promise of its weakest start is no bound of what the others keep.
+        begun.sort(key=lambda start: _cost_at(problem, start))
+    for theta, initial in begun:
         found = faithful(problem, theta, initial, iterations, TOLERANCE)
         if best is None or found.optimum.cost < best.cost:
             best, solver = found.optimum, found.solver
@@ -313,11 +317,14 @@ def _or_early(problem: FitProblem, theta: Array, states: Array) -> Array:
 def _at_its_starts(base: FittedModel, trial: Trial) -> float:
     """Return the share of the base's cost that the best start takes away as it is."""
     problem = pose_hypothesis(base, trial.hypothesis)
-    costs = (
-        np.sum(linearise_windows(problem, theta, states).cost)
-        for theta, states in _begin(base, trial, problem)
-    )
+    costs = (_cost_at(problem, start) for start in _begin(base, trial, problem))
     return float(1.0 - min(costs) / base.optimum.cost)
+
+
+def _cost_at(problem: FitProblem, start: tuple[Array, Array]) -> float:
+    """Return the cost of a start as it is; infinite where it cannot be simulated."""
+    cost = float(np.sum(linearise_windows(problem, *start).cost))
+    return cost if np.isfinite(cost) else np.inf
 
 
 def restored(base: FittedModel, trial: Trial) -> FittedModel:
