@@ -80,6 +80,28 @@ def two_masses() -> FinishedGraph:
     )
 
 
+def soft_shaft() -> FinishedGraph:
+    """Two masses with a spring and a damper between, which make one part."""
+    g = BondGraph("soft shaft", domain="translation")
+    g.one("first", Se("force"), I("mass_1"))
+    g.zero("between")
+    g.one("shaft", C("spring"), R("loss"))
+    g.one("second", I("mass_2"), R("damper"))
+    for part in ("shaft", "second"):
+        g.join("between", part)
+    g.join("first", "between")
+    g.measure("position", displacement="first")
+    g.measure("speed", flow="second")
+    return known(
+        g,
+        mass_1=(1.0, "kg"),
+        mass_2=(1.5, "kg"),
+        spring=(0.02, "m/N"),
+        loss=(1.0, "N*s/m"),
+        damper=(3.0, "N*s/m"),
+    )
+
+
 def dc_drive() -> FinishedGraph:
     g = BondGraph("DC drive", domain="electrical")
     g.one("winding", Se("voltage"), I("inductance"), R("resistance"))
@@ -185,6 +207,7 @@ MACHINES = {
         geared_arm,
         wheel,
         two_masses,
+        soft_shaft,
         dc_drive,
         two_tanks,
         draining_tank,

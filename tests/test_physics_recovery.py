@@ -158,8 +158,10 @@ CASES = [
     Case("two_tanks", "StoreAmid", "pipe", {"capacity_amid": 0.3}),
     Case("two_tanks", "Leak", "upper", {"leak": 0.1}),
     Case("heaters", "Leak", "block1", {"leak_to_block2_from": 0.01}, 1),
+    Case("lamp", "OneWayPassage", "series", {"one_way": 0.6, "opening": 0.1}),
     Case("two_masses", "Slip", "coupling", {"leak": 0.05}),
     Case("geared_arm", "Slip", "gear", {"slip_resistance": 20.0}),
+    Case("dc_drive", "Bypass", "inductance", {"slip_resistance": 10.0}),
     Case("draining_tank", "SquareLaw", "tank", {"outlet_flow": 0.5}),
     Case("piped_tanks", "SquareLaw", "pipe", {"laminar_square": 3.0}),
     Case("piped_tanks", "SquareLaw", "pipe", {"laminar_past": 0.3}, 1),
@@ -190,6 +192,7 @@ CASES = [
         {"half_gap": 0.02, "contact_stiffness": 200.0, "contact_damping": 200.0},
     ),
     Case("two_masses", "Backlash", "spring", {"half_gap": 0.01}),
+    Case("soft_shaft", "Backlash", "spring", {"half_gap": 0.01}, 1),
     Case(
         "wheel",
         "FlexibleMode",

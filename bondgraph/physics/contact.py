@@ -9,12 +9,16 @@ from collections.abc import Iterator
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import MECHANICAL, E, F, Place, Q
+from bondgraph.physics.places.base import MECHANICAL, Coefficient, E, F, Place, Q
 from bondgraph.physics.places.bond import BondPlace
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import ZeroJunctionPlace
+from bondgraph.structure.edits import ReplaceRelation, SeveralEdits
 from bondgraph.structure.elements import Compliance, Resistance
-from bondgraph.structure.signals import displacement, e, f, q
+from bondgraph.structure.signals import displacement, e, f, parameter_symbol, q
+
+EDGE = 0.02
+"""Of a spring's usual way: so far into the gap what is lost in contact has ended."""
 
 
 class SeriesCompliance(AbstractPhysics):
@@ -80,6 +84,22 @@ class Backlash(AbstractPhysics):
         words = f"{place.name} has play: it carries nothing inside a gap"
         edit = place.replace(law, gap)
         yield self.hypothesis(place, edit, law, (gap,), words, also=place.junctions)
+        for damper in place.dampers_beside:
+            yield self._with_losses(place, gap, edit, damper)
+
+    def _with_losses(
+        self, place: ElementPlace, gap: Coefficient, edit: ReplaceRelation, damper: str
+    ) -> Hypothesis:
+        """Let the damper beside the spring act in contact only, as the spring does."""
+        edge = place.constant("half_gap_edge", place.unit(Q), EDGE * place.content)
+        inside = gap.symbol - sympy.Abs(displacement(place.name))
+        touching = sympy.Max(1 - sympy.Max(inside, 0) / edge.symbol, 0)
+        loss = parameter_symbol(damper) * touching * f
+        own = (gap.parameter, edge.parameter)
+        both = SeveralEdits((edit, ReplaceRelation(damper, loss, own, nested=True)))
+        words = f"{place.name} and {damper} have play: they carry nothing inside a gap"
+        also = (*place.junctions, damper)
+        return self.hypothesis(place, both, edit.law, (gap, edge), words, also=also)
 
     def _between(self, place: BondPlace) -> Hypothesis:
         way = place.displacement

@@ -87,20 +87,44 @@ class Slip(Leak):
 
         A leak of none has no solution there: both sides would set the effort.
         """
-        usual = place.effort / place.flow
-        starts = tuple(usual / share for share in SLIPPING)
-        grip = place.shape("slip_resistance", place.unit(E, F), starts, low=0.0)
-        name = place.name_of(self.word)
-        loss = Resistance(f"{name}_losses", law=grip.symbol * f)
-        if isinstance(place, BondPlace):
-            edit: GraphEdit = place.loosen(name, (loss,), grip)
-        else:
-            edit = place.insert(loss, grip)
         words = (
             f"the two sides of {place.name} slip past each other in proportion to the "
             f"{place.domain.effort} that it passes on"
         )
-        return self.hypothesis(place, edit, loss.law, (grip,), words)
+        return self._past(place, words)
+
+    def _past(self, place: BondPlace | ZeroJunctionPlace, words: str) -> Hypothesis:
+        """Return a resistance across the difference of both sides' flows."""
+        usual = place.effort / place.flow
+        starts = tuple(usual / share for share in SLIPPING)
+        grip = place.shape("slip_resistance", place.unit(E, F), starts, low=0.0)
+        name = place.name_of(self.word)
+        law = grip.symbol * f
+        if isinstance(place, BondPlace):
+            loss = Resistance(f"{name}_losses", law=law)
+            edit: GraphEdit = place.loosen(name, (loss,), grip)
+        else:
+            edit = place.insert(Resistance(name, law=law), grip)
+        return self.hypothesis(place, edit, law, (grip,), words)
+
+
+class Bypass(Slip):
+    """A flow that does not pass on through what follows, in proportion to effort."""
+
+    word = "leak"
+    reference = "eddy currents and iron loss across an inductance; leakage past a pump"
+    signature = "a quick answer before that of the inductance; less arrives than leaves"
+    domains = frozenset({HYDRAULIC, ELECTRICAL})
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it where both sides of a bond set a flow of their own."""
+        if not isinstance(place, BondPlace) or not self.suits(place):
+            return
+        if place.both_sides_resist:
+            words = (
+                f"{place.a(F)} past {place.name} in proportion to {place.domain.effort}"
+            )
+            yield self._past(place, words)
 
 
 def _gives_way(place: ZeroJunctionPlace) -> bool:

@@ -18,9 +18,10 @@ from bondgraph.physics.friction import (
 from bondgraph.physics.hypothesis import AbstractPhysics
 from bondgraph.physics.hysteresis import BoucWenHysteresis, DahlHysteresis
 from bondgraph.physics.inertia import AddedInertia, SaturatingInertia
-from bondgraph.physics.leakage import Leak, Slip
+from bondgraph.physics.leakage import Bypass, Leak, Slip
 from bondgraph.physics.load import LoadDependentFriction
 from bondgraph.physics.modes import FlexibleMode
+from bondgraph.physics.one_way import OneWayPassage
 from bondgraph.physics.orifice import Clamp, Overflow, SquareLaw, SquareRootOrifice
 from bondgraph.physics.position import (
     Cogging,
@@ -54,10 +55,12 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     StoreAmid(),
     Leak(),
     Slip(),
+    Bypass(),
     SquareLaw(),
     SquareRootOrifice(),
     Overflow(),
     Clamp(),
+    OneWayPassage(),
     Radiation(),
     EndStop(),
     SeriesCompliance(),

@@ -16,6 +16,7 @@ NAMES = {
     "added_inertia": "added inertia",
     "leak": "a leak",
     "square_root_orifice": "a square-root orifice",
+    "one_way_passage": "a one-way passage (check valve)",
     "unknown_relation": "a relation without a name",
 }
 
@@ -35,6 +36,7 @@ ELSEWHERE = {
         "hardening_spring": "a capacitance that falls with its charge",
         "added_inertia": "added inductance",
         "saturating_inertia": "saturation of the iron",
+        "one_way_passage": "a one-way passage (diode)",
     },
     THERMAL.name: {
         "viscous_friction": "a thermal resistance",

@@ -220,6 +220,17 @@ SCENES: Mapping[str, Scene] = {
         across="effort(coupling)",
         up="flow(*)",
     ),
+    "Bypass": Scene(
+        machine=machines.winding,
+        place="inductance",
+        values={"slip_resistance": 4.0},
+        drive={"voltage": _steps(6.0, -6.0, 6.0, -6.0, every=0.15)},
+        output="current",
+        across="effort(inductance)",
+        up="flow(*)",
+        seconds=0.6,
+        step=0.0005,
+    ),
     "SquareLaw": Scene(
         **{**_FILLED, "machine": machines.draining_tank},
         values={"outlet_flow": 1.3},
@@ -241,6 +252,15 @@ SCENES: Mapping[str, Scene] = {
         output="voltage",
         across="effort(rail)",
         up="flow(*)",
+    ),
+    "OneWayPassage": Scene(
+        machine=machines.two_tanks,
+        place="friction",
+        values={"one_way": 1.0, "opening": 0.3},
+        drive={"inflow": _steps(1.5, -1.0, 1.5, -1.0, every=2.0)},
+        output="lower_pressure",
+        across="effort(friction)",
+        up="flow(friction)",
     ),
     "Radiation": Scene(
         machine=machines.heated_block,

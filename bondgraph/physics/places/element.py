@@ -7,7 +7,15 @@ import sympy
 from bondgraph.physics.places.base import Coefficient, E, F, Place, Q
 from bondgraph.structure.domains import EnergyDomain
 from bondgraph.structure.edits import ReplaceRelation, SignalState
-from bondgraph.structure.elements import Compliance, Gyrator, Inertance, Transformer
+from bondgraph.structure.elements import (
+    Compliance,
+    Gyrator,
+    Inertance,
+    OneJunction,
+    Resistance,
+    Transformer,
+    ZeroJunction,
+)
 from bondgraph.structure.nodes import WithLaw, is_linear
 from bondgraph.structure.signals import f, p, parameter_symbol, q
 
@@ -56,6 +64,23 @@ class ElementPlace(Place):
         """The junctions (or two-ports) at the other ends of its bonds."""
         bonds = self.graph.bonds_at(self.name)
         return tuple(bond.other(self.name) for bond in bonds)
+
+    @property
+    def dampers_beside(self) -> tuple[str, ...]:
+        """Linear resistances that share its flow, where nothing else does.
+
+        Together they are one part: a shaft that gives way, a rubber, a contact.
+        """
+        (junction, *others) = self.junctions
+        if others or not isinstance(self.graph.node(junction), OneJunction):
+            return ()
+        ends = (b.other(junction) for b in self.graph.bonds_at(junction))
+        beside = [self.graph.node(name) for name in ends if name != self.name]
+        losses = [node for node in beside if isinstance(node, Resistance)]
+        dampers = [node.name for node in losses if node.law is None]
+        ties = [node for node in beside if isinstance(node, ZeroJunction)]
+        alone = len(ties) == 1 and len(beside) == 1 + len(dampers)
+        return tuple(dampers) if alone else ()
 
     @property
     def flow(self) -> float:

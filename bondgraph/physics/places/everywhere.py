@@ -10,6 +10,7 @@ from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import junction_place
 from bondgraph.physics.places.pair import PairPlace
 from bondgraph.physics.places.scales import Scales
+from bondgraph.structure.domains import ELECTRICAL
 from bondgraph.structure.edits import carries_signals_only
 from bondgraph.structure.elements import (
     Compliance,
@@ -92,10 +93,13 @@ def _name_of(graph: FinishedGraph, bond: Bond) -> str | None:
 def _moves_anyway(graph: FinishedGraph, junction: str, inertia: str) -> bool:
     """Return whether a junction has a motion of its own without one of its inertias.
 
-    What hangs there without any inertia is part of that inertia, not tied to it.
+    What hangs there without any inertia is part of that inertia, not tied to it. An
+    inductance is never so: a current may go past it.
     """
     others = (n for n in _neighbours(graph, junction) if n.name != inertia)
     moving = Inertance | FlowSource | Transformer | Gyrator | OneJunction
+    if graph.domain_at(junction) == ELECTRICAL:
+        moving |= Resistance
     return any(isinstance(node, moving) for node in others)
 
 

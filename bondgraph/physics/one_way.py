@@ -1,0 +1,74 @@
+"""A passage through which flow comes, and goes back with more resistance or never."""
+
+from collections.abc import Iterator
+
+import sympy
+
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.places.base import E, Place
+from bondgraph.physics.places.element import ElementPlace
+from bondgraph.structure.domains import ELECTRICAL, HYDRAULIC
+from bondgraph.structure.elements import EffortSource, Resistance, ZeroJunction
+from bondgraph.structure.signals import e, f, parameter_symbol
+
+
+class OneWayPassage(AbstractPhysics):
+    """A resistance that is larger backwards, without end in a check valve or a diode.
+
+    Ahead nothing may flow below a pressure that opens it, or a forward voltage.
+    """
+
+    word = "one_way_passage"
+    reference = "check valves: Merritt 1967; a diode with a forward voltage"
+    passivity = Passivity.DISSIPATIVE
+    signature = "flow that comes and does not go back; taken for a yield beside a bias"
+    domains = frozenset({HYDRAULIC, ELECTRICAL})
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it for every resistance whose flow its effort sets, for both ways."""
+        if not isinstance(place, ElementPlace) or not self.suits(place):
+            return
+        law = _flow_law(place)
+        if law is None:
+            return
+        for ahead in (True, False):
+            yield self._one_way(place, law, ahead=ahead)
+
+    def _one_way(
+        self, place: ElementPlace, usual: sympy.Expr, *, ahead: bool
+    ) -> Hypothesis:
+        """Return it with the flow, as the bonds point, ahead or back."""
+        way = "" if ahead else "back_"
+        shares = (0.0, 1.0, 1.0)
+        less = place.strength(f"{way}one_way", "1", shares, low=0.0, high=1.0)
+        opens = (0.0, 0.0, 0.1 * place.effort)
+        crack = place.strength(f"{way}opening", place.unit(E), opens, low=0.0)
+        along, against = sympy.Max(e - crack.symbol, 0), sympy.Min(e, 0)
+        if not ahead:
+            along, against = sympy.Min(e + crack.symbol, 0), sympy.Max(e, 0)
+        law = usual.xreplace({e: along + (1 - less.symbol) * against})
+        words = (
+            f"{place.name} passes less {'back' if ahead else 'ahead'} than "
+            f"{'ahead' if ahead else 'back'} by a share (one_way), and there only "
+            f"beyond {place.a(E)} that opens it"
+        )
+        edit = place.replace(law, less, crack)
+        own = (less, crack)
+        return self.hypothesis(place, edit, law, own, words, also=place.junctions)
+
+
+def _flow_law(place: ElementPlace) -> sympy.Expr | None:
+    """Return the flow as a law of the effort; None where the effort follows a flow."""
+    (junction, *others) = place.junctions
+    if others or not isinstance(place.element, Resistance):
+        return None
+    ends = place.graph.bonds_at(junction)
+    near = (place.graph.node(bond.other(junction)) for bond in ends)
+    sets = ZeroJunction | EffortSource
+    given = all(isinstance(node, sets) for node in near if node.name != place.name)
+    if not place.is_one_junction(junction) or not given:
+        return None
+    law = place.element.law
+    if law is None:
+        return e / parameter_symbol(place.name)
+    return law if e in law.free_symbols and f not in law.free_symbols else None
