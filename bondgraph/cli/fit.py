@@ -37,6 +37,11 @@ from bondgraph.recordings.misreadings import without_misreadings
 from bondgraph.reporting.model_text import to_python
 from bondgraph.reporting.tables import INTERVAL, estimates_table
 
+NOT_CONVERGED = (
+    "It may need more steps (--iterations), start values nearer to the machine (--set, "
+    "or --starts), or one of the parameters that go together held with std=0.0."
+)
+
 
 @click.command(
     "fit",
@@ -117,6 +122,8 @@ def command(
     if either_hold and problem.model.input_names and problem.model.n_states:
         words.append(hold_words(problem.hold, bound))
     session.say("\n".join(words))
+    if result.status is FitStatus.ITERATION_LIMIT:
+        session.hint(NOT_CONVERGED)
     if result.unidentifiable:
         session.hint(
             "What is known of a parameter beforehand may be said in the model: "

@@ -27,6 +27,9 @@ from bondgraph.structure.graph import FinishedGraph
 ADDS_UP = 3.0
 """Times the error over windows, from which the one over whole recordings is another."""
 
+UNMOVED = 0.01
+"""Of a standard deviation: what has moved by less has not moved."""
+
 
 def intervals(result: FitResult) -> Iterator[str]:
     """Yield the intervals that are known, one a line, where there are any."""
@@ -56,7 +59,8 @@ def known(
             if whole.nrmse > ADDS_UP * result.score.nrmse:
                 yield (
                     "Windows begin anew at what was measured: what adds up over longer "
-                    "shows in whole recordings only. Mind that number first."
+                    "shows in whole recordings only. Mind the error over those; "
+                    "--window whole fits to them."
                 )
     yield from dict.fromkeys(note for one in bound for note in one.notes)
     yield from _pulled(result, graph)
@@ -108,7 +112,7 @@ def _pulled(result: FitResult, graph: FinishedGraph) -> Iterator[str]:
         for one in result.estimates
     ]
     told = [
-        f"{name} {number_words(abs(away), 2)}"
+        f"{name} {number_words(abs(away), 2) if abs(away) >= UNMOVED else 0}"
         for name, away in ended
         if away is not None
     ]

@@ -102,7 +102,9 @@ def substeps_option(command: F) -> F:
 
 
 def estimation_options(command: F) -> F:
-    """Add ``--loss``, ``--noise``, ``--starts`` and ``--seed`` to the ``settings``.
+    """Add what a fit may be told of itself to the ``settings``.
+
+    ``--loss``, ``--noise``, ``--starts``, ``--seed`` and ``--iterations``.
 
     It goes below `fit_options`, which makes them.
     """
@@ -115,10 +117,12 @@ def estimation_options(command: F) -> F:
         noise: str,
         starts: int,
         seed: int,
+        iterations: int,
         **options: Any,
     ) -> Any:
         chosen = replace(
             settings,
+            iterations=iterations,
             loss=_LOSSES[loss],
             noise=_NOISES[noise],
             starts=OneStart() if starts == 1 else ManyStarts(count=starts, seed=seed),
@@ -126,6 +130,13 @@ def estimation_options(command: F) -> F:
         return command(*args, settings=chosen, **options)
 
     for option in (
+        click.option(
+            "--iterations",
+            type=WholeNumber(min=1),
+            default=FitSettings().iterations,
+            show_default=True,
+            help="So many steps a fit may take before it is called not converged.",
+        ),
         click.option(
             "--seed",
             type=int,

@@ -54,6 +54,12 @@ STRETCHES = (
     "looks for."
 )
 
+FAR_OFF = (
+    "That is no nearer than the mean of what was measured: values are far off, which "
+    "'bondgraph fit' mends, or the model lacks something, which 'bondgraph diagnose' "
+    "looks for."
+)
+
 
 @click.command(
     "simulate",
@@ -120,7 +126,7 @@ def command(
     session.say(f"{together} is {relative_error(solution.score, spread)}.")
     whole = isinstance(settings.horizon, WholeRecordings)
     if whole and solution.score.nrmse > ASTRAY:
-        session.say(STRETCHES)
+        session.say(FAR_OFF if bound.steady else STRETCHES)
     # The pseudo bonds of the thermal domain carry no power.
     thermal = all(domain is THERMAL for domain in graph.domains)
     if solution.audit.has_flowed and not thermal:
