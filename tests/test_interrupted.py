@@ -31,7 +31,7 @@ def slider():
     """A rubbing slider that is pulled at known speeds: diagnosed in a second."""
     graph = BondGraph("slider", domain="translation")
     graph.one("body", Sf("speed"), R("rub"))
-    graph.measure("force", effort="rub")
+    graph.measure("force", effort="speed")
     graph.parameter("rub", 2.0, "N*s/m", bounds=(0, 100))
     return graph.finish()
 
