@@ -161,7 +161,7 @@ CASES = [
     Case("lamp", "OneWayPassage", "series", {"one_way": 0.6, "opening": 0.1}),
     Case("two_masses", "Slip", "coupling", {"leak": 0.05}),
     Case("geared_arm", "Slip", "gear", {"slip_resistance": 20.0}),
-    Case("dc_drive", "Bypass", "inductance", {"slip_resistance": 10.0}),
+    Case("dc_drive", "Bypass", "inductance", {"bypass_resistance": 10.0}),
     Case("draining_tank", "SquareLaw", "tank", {"outlet_flow": 0.5}),
     Case("piped_tanks", "SquareLaw", "pipe", {"laminar_square": 3.0}),
     Case("piped_tanks", "SquareLaw", "pipe", {"laminar_past": 0.3}, 1),

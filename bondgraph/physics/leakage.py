@@ -69,6 +69,7 @@ class Slip(Leak):
     reference = "creep of belts; fluid couplings; Maxwell body"
     signature = "the far side falls behind under load and does not come back"
     domains = frozenset({TRANSLATION, ROTATION})
+    stem = "slip_resistance"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at 0-junctions, and where both sides of a bond move on their own."""
@@ -97,7 +98,7 @@ class Slip(Leak):
         """Return a resistance across the difference of both sides' flows."""
         usual = place.effort / place.flow
         starts = tuple(usual / share for share in SLIPPING)
-        grip = place.shape("slip_resistance", place.unit(E, F), starts, low=0.0)
+        grip = place.shape(self.stem, place.unit(E, F), starts, low=0.0)
         name = place.name_of(self.word)
         law = grip.symbol * f
         if isinstance(place, BondPlace):
@@ -115,6 +116,7 @@ class Bypass(Slip):
     reference = "eddy currents and iron loss across an inductance; leakage past a pump"
     signature = "a quick answer before that of the inductance; less arrives than leaves"
     domains = frozenset({HYDRAULIC, ELECTRICAL})
+    stem = "bypass_resistance"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it where both sides of a bond set a flow of their own."""

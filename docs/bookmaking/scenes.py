@@ -223,7 +223,7 @@ SCENES: Mapping[str, Scene] = {
     "Bypass": Scene(
         machine=machines.winding,
         place="inductance",
-        values={"slip_resistance": 4.0},
+        values={"bypass_resistance": 4.0},
         drive={"voltage": _steps(6.0, -6.0, 6.0, -6.0, every=0.15)},
         output="current",
         across="effort(inductance)",
