@@ -96,6 +96,6 @@ def test_what_makes_quarters_worse_that_are_left_out_is_not_the_one(
 
 
 def test_a_scale_of_one_is_no_number():
-    assert none_told({"sensor_scale_level": (1.0001, 0.0005)})
-    assert not none_told({"sensor_scale_level": (1.01, 0.0005)})
-    assert not none_told({"leak_level": (1.0001, 0.0005)})
+    assert none_told([("sensor_scale_level", 1.0001, 0.0005)])
+    assert not none_told([("sensor_scale_level", 1.01, 0.0005)])
+    assert not none_told([("leak_level", 1.0001, 0.0005)])

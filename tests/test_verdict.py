@@ -13,6 +13,7 @@ from bondgraph.diagnosis.answer.doubt import doubted
 from bondgraph.diagnosis.answer.notes import notes_on
 from bondgraph.diagnosis.answer.telling import left_of_whole
 from bondgraph.diagnosis.answer.verdict import (
+    carries_over,
     hardly_believed,
     verdict_of,
     without_size,
@@ -230,6 +231,9 @@ def test_what_mends_only_what_it_was_fitted_to_is_not_the_cause(
     )
     assert (answer is Verdict.UNEXPLAINED) == idle
     assert ("no better" in statement) == idle
+    assert carries_over(held_out, trained) == (not idle)
+    # Over stretches it helps: a drive that turns freely is off in the long run.
+    assert carries_over(held_out, trained, _errors(0.05, 0.004))
 
 
 def test_what_carries_over_in_stretches_is_not_held_to_whole_recordings():
@@ -251,6 +255,14 @@ def test_a_curve_that_makes_held_out_data_worse_says_so_too():
     answer, statement = worse_held_out(Verdict.UNEXPLAINED, "A curve.", shown, trained)
     assert answer is Verdict.UNEXPLAINED
     assert "does not carry over" in statement
+
+
+def test_what_does_not_carry_over_is_not_told_as_sure():
+    (finding, *_) = cart_diagnosis().findings
+    sure = replace(finding, probability=0.8, statement="Friction was left out: some.")
+    (told,) = doubted([sure], 0.0, carried=False)
+    assert told.probability == pytest.approx(0.4)
+    assert "may have been left out" in told.statement
 
 
 @pytest.mark.parametrize(

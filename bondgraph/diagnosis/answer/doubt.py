@@ -32,8 +32,15 @@ findings on concealed cases none was so; of those in recordings of strangers hal
 wrong.
 """
 
+NOT_CARRIED = 0.5
+"""What is left of a probability where what was kept back is predicted no better: no
+choice has seen it, but an answer that fails there is not told as sure. A judgement.
+"""
 
-def doubted(findings: Sequence[Finding], left: float) -> list[Finding]:
+
+def doubted(
+    findings: Sequence[Finding], left: float, *, carried: bool = True
+) -> list[Finding]:
     """Return the findings, less probable where much remains beside them.
 
     What remains may be the cause, and have bent a law of the library to it. And a law
@@ -43,8 +50,12 @@ def doubted(findings: Sequence[Finding], left: float) -> list[Finding]:
     ----------
     left
         The share of the squared error that the findings leave beyond noise.
+    carried
+        Whether what was kept back does not speak against them.
     """
     believed = 1.0 if left < SHOWS else 1.0 - sqrt(min(left, 1.0))
+    if not carried:
+        believed *= NOT_CARRIED
     told = []
     for finding in findings:
         if is_hollow(finding):
@@ -69,5 +80,5 @@ def _less_probable(finding: Finding, share: float) -> Finding:
 
 def is_hollow(finding: Finding) -> bool:
     """Return whether nothing tells a single number of a law with a name from none."""
-    numbers = {one.name: (one.value, one.std) for one in finding.estimates}
+    numbers = [(one.name, one.value, one.std) for one in finding.estimates]
     return finding.physics != CURVE and none_told(numbers)

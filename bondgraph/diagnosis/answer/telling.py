@@ -16,6 +16,7 @@ from bondgraph.diagnosis.answer.separating import designed, left_close
 from bondgraph.diagnosis.answer.showing import recovered_law, traces
 from bondgraph.diagnosis.answer.stated import at_bounds, contradicted
 from bondgraph.diagnosis.answer.untried import untried
+from bondgraph.diagnosis.answer.verdict import carries_over
 from bondgraph.diagnosis.answer.wording import next_experiment
 from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.evidence.judged import Judged
@@ -68,9 +69,10 @@ def answer(
     floor = noise_floor(recordings)
     left = max(remaining(rounds, floor), left_of_whole(trained, floor))
     told, others = findings_of(rounds, after, held_out, options, left)
-    findings = doubted_at_jumps(doubted(told, left), made)
-    wrong = contradicted(graph, after.estimates)
     stretches = _over_stretches(base, final, held_out, shown)
+    carried = carries_over(shown, trained, stretches)
+    findings = doubted_at_jumps(doubted(told, left, carried=carried), made)
+    wrong = contradicted(graph, after.estimates)
     verdict, statement = concluded(
         rounds, findings, wrong, left, shown, trained, stretches, recordings, options
     )

@@ -138,13 +138,11 @@ def worse_held_out(
     """
     before, after = held_out.before.nrmse, held_out.after.nrmse
     told_something = verdict in (Verdict.PHYSICS_MISSING, Verdict.UNEXPLAINED)
-    worse, idle = after > SAME * before, _is_idle(held_out, trained)
-    if not told_something or not (worse or idle):
+    worse = after > SAME * before
+    if not told_something or not (worse or _is_idle(held_out, trained)):
         return verdict, statement
     became = f"({100 * before:.3g} % became {100 * after:.3g} %)"
-    if stretches is not None and (
-        stretches.after.nrmse < HALVED * stretches.before.nrmse
-    ):
+    if stretches is not None and _halves(stretches):
         over = (
             f"({100 * stretches.before.nrmse:.3g} % became "
             f"{100 * stretches.after.nrmse:.3g} %)"
@@ -159,8 +157,28 @@ def worse_held_out(
         f"{'worse' if worse else 'no better'} than the base model {became}: what was "
         "found holds where it was found and does not carry over."
     )
-    spoilt = idle or after > SPOILT * before
-    return (Verdict.UNEXPLAINED if spoilt else verdict), told
+    carried = carries_over(held_out, trained, stretches)
+    return (verdict if carried else Verdict.UNEXPLAINED), told
+
+
+def carries_over(
+    held_out: Comparison, trained: Comparison, stretches: Comparison | None = None
+) -> bool:
+    """Return whether what was kept back does not speak against what was found.
+
+    Parameters
+    ----------
+    held_out, trained, stretches
+        As for `worse_held_out`.
+    """
+    if stretches is not None and _halves(stretches):
+        return True
+    spoilt = held_out.after.nrmse > SPOILT * held_out.before.nrmse
+    return not (spoilt or _is_idle(held_out, trained))
+
+
+def _halves(stretches: Comparison) -> bool:
+    return stretches.after.nrmse < HALVED * stretches.before.nrmse
 
 
 def _is_idle(held_out: Comparison, trained: Comparison) -> bool:

@@ -1,6 +1,6 @@
 """Whether numbers of a law are told from those at which it has no effect."""
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 ERRORS = 2.0
 """A number within so many standard errors of none is not told from it."""
@@ -9,14 +9,18 @@ FACTORS = ("sensor_scale", "input_scale")
 """How numbers begin that have no effect at 1, where others have none at 0."""
 
 
-def none_told(numbers: Mapping[str, tuple[float, float | None]]) -> bool:
-    """Return whether there are numbers, each with its error, and none is told.
+def none_told(numbers: Sequence[tuple[str, float, float | None]]) -> bool:
+    """Return whether there are numbers, and none is told from having no effect.
 
-    An error that is not known, None or not a number, tells nothing.
+    Parameters
+    ----------
+    numbers
+        Each with its name, its value and its error. An error that is not known, None or
+        not a number, tells nothing.
     """
     return bool(numbers) and not any(
         std is not None and abs(value - _no_effect(name)) > ERRORS * std
-        for name, (value, std) in numbers.items()
+        for name, value, std in numbers
     )
 
 

@@ -66,7 +66,7 @@ def ends_as_nothing(final: FittedModel, found: Candidate) -> bool:
     )
     fits = zip(problem.free_names, map(float, theta), strict=True)
     own = found.hypothesis.parameters
-    if none_told({name: (x, float(stds[name])) for name, x in fits if name in own}):
+    if none_told([(name, x, float(stds[name])) for name, x in fits if name in own]):
         return True
     was, now = found.fitted.values, final.values
     return gone_from(was, now, stds, [found.hypothesis], {}) is not None
