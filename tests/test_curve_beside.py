@@ -228,7 +228,7 @@ def test_a_curve_begins_as_the_best_law_of_its_own_variable():
     with workshop(Here(), Journal(), lambda _: None) as shop:
         bench = Bench.of(base, shop, "round 1")
         seen = judge_all(
-            bench, candidates, 1.0, rule, nothing, lambda _: True, Verdicts()
+            bench, candidates, 1.0, rule, nothing, lambda *_: None, Verdicts()
         )
         # Of hysteresis, whatever it explains, there is no curve of one variable.
         seen = replace(seen, chosen=seen.judged[-1])

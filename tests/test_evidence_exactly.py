@@ -462,7 +462,7 @@ def judged_on(monkeypatch):
             1.0,
             RULE,
             np.array([noise]),
-            lambda _: True,
+            lambda *_: None,
             judging.Verdicts(),
         )
         return found, asked

@@ -144,7 +144,8 @@ def test_a_refit_that_fails_does_not_replace_the_fit_of_a_search(monkeypatch):
     found = fit_model(graph, [run], settings)
     lost = replace(found, optimum=replace(found.optimum, cost=np.inf))
     monkeypatch.setattr(horizons, "fit_model", lambda *_: lost)
-    assert horizons.sharpened(found, [run], Options(settings=settings)) is found
+    options = Options(settings=settings)
+    assert horizons.sharpened(found, [run], options, found) is found
 
 
 @pytest.mark.parametrize("iterations", [0, 5])

@@ -79,7 +79,7 @@ def test_windows_do_not_hide_what_whole_recordings_are_missed_by(told):
     short = told(10.0, 25, "--hold", "zero", "--window", "0.2")
     assert "Error over windows of " in short
     assert short.count("Error over whole recordings") == 1
-    assert "Mind that number first" not in short
+    assert "Mind the error over those" not in short
     whole = told(10.0, 25, "--hold", "zero", "--window", "whole")
     assert "windows" not in whole
     assert whole.count("Error over whole recordings") == 1
@@ -87,4 +87,4 @@ def test_windows_do_not_hide_what_whole_recordings_are_missed_by(told):
 
 def test_an_error_that_adds_up_beyond_a_window_is_pointed_out(told):
     said = told(0.8, 25, "--hold", "zero", "--window", "0.2")
-    assert "Mind that number first" in said
+    assert "Mind the error over those" in said

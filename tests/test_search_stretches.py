@@ -8,7 +8,11 @@ import pytest
 from bondgraph import BondGraph, C, I, R, Recording, Se, Windows, bind_to
 from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.search.base.stretches import WINDOWS, long_error, stretch
-from bondgraph.diagnosis.search.trials.worth import RUINED, holds_for_whole
+from bondgraph.diagnosis.search.trials.worth import (
+    LOST_FROM_THE_START,
+    RUINED,
+    fault_of,
+)
 from bondgraph.fitting.estimate import FitSettings, fit_model
 
 STEP, SAMPLES, WINDOW = 0.01, 2400, 100
@@ -82,8 +86,8 @@ def test_a_law_that_ruins_stretches_is_lost_and_one_that_does_not_holds(free):
     known = long_error(fitted, recordings, samples)
     near, far = as_candidate(1.0), as_candidate(40.0)
     assert long_error(far.fitted, recordings, samples) > RUINED * known
-    assert holds_for_whole(fitted, near, recordings)
-    assert not holds_for_whole(fitted, far, recordings)
+    assert fault_of(fitted, near, recordings, 8) != LOST_FROM_THE_START
+    assert fault_of(fitted, far, recordings, 8) == LOST_FROM_THE_START
 
 
 def test_a_model_without_states_has_nothing_to_drift_off():
