@@ -5,6 +5,7 @@ import pytest
 from click.testing import CliRunner
 
 from bondgraph.cli.program import program
+from bondgraph.fitting.certainty import combinations
 
 STEP, MASS, VISCOUS = 0.02, 2.0, 1.0
 
@@ -40,14 +41,14 @@ def recorded(path, every):
 
 @pytest.fixture
 def told(tmp_path):
-    def fitted(high, every, *options):
+    def fitted(high, every, *options, status=0):
         model = tmp_path / "cart.py"
         text = MODEL.replace("HIGH", str(high)).replace("START", str(min(high, 1.9)))
         model.write_text(text, "utf-8")
         run = recorded(tmp_path / "run.csv", every)
         words = ["fit", str(model), str(run), *options]
         result = CliRunner().invoke(program, words, catch_exceptions=False)
-        assert result.exit_code == 0
+        assert result.exit_code == status
         return result.stdout
 
     return fitted
@@ -88,3 +89,15 @@ def test_windows_do_not_hide_what_whole_recordings_are_missed_by(told):
 def test_an_error_that_adds_up_beyond_a_window_is_pointed_out(told):
     said = told(0.8, 25, "--hold", "zero", "--window", "0.2")
     assert "Mind the error over those" in said
+
+
+@pytest.mark.parametrize(
+    ("share", "said"), [(2.71, "270 %"), (0.0123, "1.2 %"), (0.5, "50 %")]
+)
+def test_a_share_is_written_as_a_person_would(share, said):
+    assert combinations._percent(share) == said
+
+
+def test_a_fit_that_stops_early_says_what_to_do(told):
+    said = told(10.0, 25, "--hold", "zero", "--iterations", "1", status=1)
+    assert "--iterations" in said

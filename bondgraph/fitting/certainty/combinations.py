@@ -329,4 +329,5 @@ def _exponents(count: int) -> Iterator[tuple[int, ...]]:
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.2g} %"
+    """Return it to two digits, as a number that a person would write."""
+    return f"{float(f'{100 * share:.2g}'):g} %"
