@@ -440,6 +440,7 @@ def test_a_constant_line_has_a_frame() -> None:
         (5.0, None, "5"),
         (math.nan, 0.1, "–"),
         (0.0, 0.02, "0.000 ± 0.020"),
+        (10.0, 1.13e7, "10 ± 1.1·10⁷"),
     ],
 )
 def test_values_are_rounded_to_what_is_known(

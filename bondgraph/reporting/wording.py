@@ -64,6 +64,9 @@ def number_words(value: float | None, digits: int = 4) -> str:
     return _typeset(f"{value:.{digits}g}")
 
 
+HIDES = 100.0
+"""A deviation so many times the value would round it to nothing: each is written."""
+
 RUN_AWAY = 1e6
 """A value so many times its start, or its start so many times it, has run away."""
 
@@ -74,6 +77,8 @@ def with_deviation(value: float, std: float | None) -> str:
         return number_words(value)
     if std <= DIGITS * abs(value):
         return number_words(value, 6)
+    if value and std > HIDES * abs(value):
+        return f"{number_words(value)} ± {number_words(std, 2)}"
     size = max(abs(value), std)
     power = math.floor(math.log10(size))
     if -4 <= power < 6:
