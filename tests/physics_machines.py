@@ -61,45 +61,41 @@ def wheel() -> FinishedGraph:
     return known(g, inertia=(0.1, "kg*m^2"), bearing=(0.15, "N*m*s/rad"))
 
 
-def two_masses() -> FinishedGraph:
-    """Two carts with a spring between, on a 0-junction."""
-    g = BondGraph("two masses", domain="translation")
+def _masses(name: str) -> BondGraph:
+    g = BondGraph(name, domain="translation")
     g.one("first", Se("force"), I("mass_1"))
-    g.zero("coupling", C("spring"))
     g.one("second", I("mass_2"), R("damper"))
-    g.join("first", "coupling")
-    g.join("coupling", "second")
     g.measure("position", displacement="first")
     g.measure("speed", flow="second")
-    return known(
-        g,
-        mass_1=(1.0, "kg"),
-        mass_2=(1.5, "kg"),
-        spring=(0.02, "m/N"),
-        damper=(3.0, "N*s/m"),
-    )
+    return g
+
+
+MASSES = {
+    "mass_1": (1.0, "kg"),
+    "mass_2": (1.5, "kg"),
+    "spring": (0.02, "m/N"),
+    "damper": (3.0, "N*s/m"),
+}
+
+
+def two_masses() -> FinishedGraph:
+    """Two carts with a spring between, on a 0-junction."""
+    g = _masses("two masses")
+    g.zero("coupling", C("spring"))
+    g.join("first", "coupling")
+    g.join("coupling", "second")
+    return known(g, **MASSES)
 
 
 def soft_shaft() -> FinishedGraph:
     """Two masses with a spring and a damper between, which make one part."""
-    g = BondGraph("soft shaft", domain="translation")
-    g.one("first", Se("force"), I("mass_1"))
+    g = _masses("soft shaft")
     g.zero("between")
     g.one("shaft", C("spring"), R("loss"))
-    g.one("second", I("mass_2"), R("damper"))
-    for part in ("shaft", "second"):
-        g.join("between", part)
     g.join("first", "between")
-    g.measure("position", displacement="first")
-    g.measure("speed", flow="second")
-    return known(
-        g,
-        mass_1=(1.0, "kg"),
-        mass_2=(1.5, "kg"),
-        spring=(0.02, "m/N"),
-        loss=(1.0, "N*s/m"),
-        damper=(3.0, "N*s/m"),
-    )
+    g.join("between", "shaft")
+    g.join("between", "second")
+    return known(g, **MASSES, loss=(1.0, "N*s/m"))
 
 
 def dc_drive() -> FinishedGraph:
