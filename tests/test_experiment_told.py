@@ -146,8 +146,5 @@ def test_the_improved_model_as_text_runs_and_is_adequate(tmp_path):
     improved = load_model(str(path))
     # As text once more it is the same text: nothing is lost on the way.
     assert to_python(improved) == text
-    plain = tuple(p for p in LIBRARY if p.word != "unknown_relation")
-    again = diagnose(
-        improved, [training], held_out=[held_out], options=Options(library=plain)
-    )
+    again = diagnose(improved, [training], held_out=[held_out])
     assert again.verdict is Verdict.ADEQUATE, again.statement
