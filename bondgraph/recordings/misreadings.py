@@ -10,12 +10,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.channel import FloatArray
 from bondgraph.recordings.held import frozen, held
 from bondgraph.recordings.noise import outliers
 from bondgraph.recordings.turns import unwrapped
+
+STEPPED = 0.05
+"""An input has stepped where it changes by more than this share of its range at once."""
+
+SELDOM = 0.2
+"""Of an input that steps in more of the rows than this any row follows a step."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,20 +36,23 @@ class Cleared:
 def without_misreadings(recordings: Sequence[BoundRecording]) -> Cleared:
     """Return recordings with misread samples of outputs missing, and angles that go on.
 
-    Only what was measured is looked at, not what was commanded.
+    Only what was measured is taken for misread, not what was commanded; and a machine
+    that is switched may well jump, so that where an input has just stepped a jump is
+    kept.
     """
     cleared, notes = [], []
     for recording in recordings:
         told: list[str] = []
         outputs = recording.outputs.copy()
+        driven = _driven(recording.inputs)
         for column, name in enumerate(recording.output_names):
             of = f"{name} of {recording.name}"
             if not recording.steady:
                 unit = recording.output_units[column]
                 told += _gone_on(outputs[:, column], unit, of)
                 told += _read_anew(outputs[:, column], of)
-                told += _thawed(outputs[:, column], recording.time, of)
-                told += _left_out(outputs[:, column], recording.time, of)
+                told += _thawed(outputs[:, column], recording.time, driven, of)
+                told += _left_out(outputs[:, column], recording.time, driven, of)
         cleared.append(replace(recording, outputs=outputs) if told else recording)
         notes += told
     return Cleared(tuple(cleared), tuple(notes))
@@ -70,9 +80,11 @@ def _read_anew(values: FloatArray, of: str) -> list[str]:
     ]
 
 
-def _thawed(values: FloatArray, time: FloatArray, of: str) -> list[str]:
+def _thawed(
+    values: FloatArray, time: FloatArray, driven: NDArray[np.bool_], of: str
+) -> list[str]:
     """Leave stretches in which a sensor has frozen out of `values`, and say so."""
-    stretches = frozen(time, values)
+    stretches = [rows for rows in frozen(time, values) if not driven[rows.stop]]
     for rows in stretches:
         values[rows.start + 1 : rows.stop] = np.nan
     if not stretches:
@@ -85,9 +97,23 @@ def _thawed(values: FloatArray, time: FloatArray, of: str) -> list[str]:
     ]
 
 
-def _left_out(values: FloatArray, time: FloatArray, of: str) -> list[str]:
+def _driven(inputs: FloatArray) -> NDArray[np.bool_]:
+    """Return which rows an input that seldom steps has just stepped in or before."""
+    driven = np.zeros(len(inputs), dtype=bool)
+    for values in inputs.T:
+        changes = np.abs(np.diff(values, prepend=values[:1]))
+        stepped = changes > STEPPED * np.ptp(values)
+        if np.mean(stepped) <= SELDOM:
+            driven |= stepped
+            driven[1:] |= stepped[:-1]
+    return driven
+
+
+def _left_out(
+    values: FloatArray, time: FloatArray, driven: NDArray[np.bool_], of: str
+) -> list[str]:
     """Leave misread samples out of `values`, and return what was done."""
-    rows = [int(row) for row in outliers(time, values)]
+    rows = [int(row) for row in outliers(time, values) if not driven[row]]
     if not rows:
         return []
     values[rows] = np.nan
