@@ -28,6 +28,11 @@ class Candidate:
         """What its fit leaves of the training data."""
         return self.fitted.optimum.cost
 
+    @property
+    def told(self) -> Hypothesis:
+        """The hypothesis as it is told with the numbers of its fit."""
+        return self.hypothesis.told_with(self.fitted.values)
+
     def reduction(self, base: FittedModel) -> float:
         """Return the relative reduction of the training error against `base`."""
         return 1.0 - self.cost / base.optimum.cost

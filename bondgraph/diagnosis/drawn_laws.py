@@ -105,7 +105,7 @@ def _rival(final: FittedModel, other: Candidate, quantity: str) -> LawCurve:
     for signal in beside:
         instead = np.interp(x, there[own][ahead], there[signal][ahead])
         value = value + here[signal][order] - instead
-    return LawCurve(physics=other.hypothesis.physics, argument=x, value=value)
+    return LawCurve(physics=other.told.physics, argument=x, value=value)
 
 
 def _axes(

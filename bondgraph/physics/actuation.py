@@ -1,4 +1,4 @@
-"""Inputs that do not do what they are asked: scale, limits, dead zone."""
+"""Inputs that do not do what they are asked: scale, limits, dead zone, a power."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -8,6 +8,7 @@ import sympy
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Place
 from bondgraph.physics.places.channels import InputPlace
+from bondgraph.physics.powers import raised
 from bondgraph.physics.slips import FACTORS, SLIPS, own_values
 from bondgraph.structure.domains import ANALOGUE
 from bondgraph.structure.edits import SignalState
@@ -120,3 +121,27 @@ class DeadZone(AbstractPhysics):
         law = above + sympy.Min(place.signal + half.symbol, 0)
         words = f"{place.name} does nothing while it is small"
         yield self.hypothesis(place, place.become(law, half), law, (half,), words)
+
+
+class InputNonlinearity(AbstractPhysics):
+    """An input that acts as a power of what is commanded: propellers, power stages."""
+
+    word = "input_nonlinearity"
+    reference = "static characteristic of an actuator; a propeller's square law"
+    passivity = Passivity.SIGNAL
+    signature = (
+        "small commands do less than in proportion, or more; taken for an offset"
+    )
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it for every input that changes; its sign is that of the command."""
+        if not isinstance(place, InputPlace) or place.is_constant:
+            return
+        power = place.strength("input_power", "1", (0.0, 0.5, -0.3), low=-0.8, high=3.0)
+        size = place.constant("input_size", place.channel_unit, place.peak)
+        law = raised(place.signal, size.symbol, power.symbol)
+        words = (
+            f"{place.name} acts as a power of what is commanded, one higher than told"
+        )
+        edit = place.become(law, power, size)
+        yield self.hypothesis(place, edit, law, (power, size), words)

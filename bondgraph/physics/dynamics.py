@@ -1,9 +1,10 @@
 """Signals that come late: lags and delays of inputs and of sensors.
 
-A lag is a state z' = (x - z) / tau, made of graph elements. A delay T is the Padé form
-of orders 2 over 3, which is strictly proper, so that a jump does not come through at
-once: up to w T = 2 its phase is right within 0.003 rad and its gain within 0.7 %, up
-to w T = 3 within 0.035 rad and 5.4 %.
+A lag is a state z' = (x - z) / tau, made of graph elements, or two of them in a row:
+heat on its way to a thermometer comes through more than one body. A delay T is the
+Padé form of orders 2 over 3, which is strictly proper, so that a jump does not come
+through at once: up to w T = 2 its phase is right within 0.003 rad and its gain within
+0.7 %, up to w T = 3 within 0.035 rad and 5.4 %.
 """
 
 from collections.abc import Iterator
@@ -16,12 +17,14 @@ from bondgraph.physics.places.channels import ChannelPlace, InputPlace
 from bondgraph.structure.edits import SignalState
 from bondgraph.structure.signals import displacement
 
+STAGES = " of two equal stages"
+
 
 class Lag(AbstractPhysics):
-    """A signal that follows with a time constant: filters, valves, thermometers."""
+    """A signal that follows with a time constant, once or in two equal stages."""
 
     word = "lag"
-    reference = "first-order low-pass"
+    reference = "low-pass of first order, or of second with two equal time constants"
     passivity = Passivity.SIGNAL
     signature = "a corner rounded off, phase without resonance; taken for a delay"
 
@@ -29,12 +32,16 @@ class Lag(AbstractPhysics):
         """Yield it for every input that changes, and every output."""
         if not isinstance(place, ChannelPlace) or place.is_constant:
             return
-        tau = place.shape("lag", "s", _times(place), low=0.02 * place.scales.step)
-        state = lagging(place.name_of("lagged"), place.signal, tau.symbol)
-        law = state.value
-        words = f"{place.name} {_verb(place)} with a lag"
-        edit = place.become(law, tau, states=(state,))
-        yield self.hypothesis(place, edit, law, (tau,), words)
+        for stages, stem, how in ((1, "lag", ""), (2, "lag_each", STAGES)):
+            tau = place.shape(stem, "s", _times(place), low=0.02 * place.scales.step)
+            names = (place.name_of(f"lagged{'_twice' * k}") for k in range(stages))
+            law, states = place.signal, []
+            for name in names:
+                states.append(lagging(name, law, tau.symbol))
+                law = states[-1].value
+            words = f"{place.name} {_verb(place)} with a lag{how}"
+            edit = place.become(law, tau, states=tuple(states))
+            yield self.hypothesis(place, edit, law, (tau,), words)
 
 
 class Delay(AbstractPhysics):

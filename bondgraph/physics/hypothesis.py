@@ -40,6 +40,24 @@ class Shape:
     value_unit: str
 
 
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """Where a law is another, plainer one, by whose word it is told then.
+
+    Parameters
+    ----------
+    parameter, least
+        The number of it that has come down to no more than this.
+    physics, words
+        Of the plainer law.
+    """
+
+    parameter: str
+    least: float
+    physics: str
+    words: str
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hypothesis:
     """One (physics, place) with everything needed to insert, fit and tell it.
@@ -74,6 +92,8 @@ class Hypothesis:
         What of the law multiplies a curve without a name.
     shape
         That curve, where it changes a law and nothing can be taken out again.
+    limit
+        Where it is told as a plainer law; None where it never is.
     """
 
     physics: str
@@ -90,6 +110,7 @@ class Hypothesis:
     smoothing: tuple[str, ...] = ()
     factor: sympy.Expr = sympy.S.One
     shape: Shape | None = None
+    limit: Limit | None = None
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -148,6 +169,13 @@ class Hypothesis:
     def told_by(self) -> tuple[str, ...]:
         """What tells it from others: physics, place, sentence and what is fitted."""
         return self.physics, self.place, self.words, *self.parameters
+
+    def told_with(self, values: Mapping[str, float]) -> "Hypothesis":
+        """Return how it is told with the numbers of a fit: at its limit as another."""
+        limit = self.limit
+        if limit is None or values[limit.parameter] > limit.least:
+            return self
+        return replace(self, physics=limit.physics, words=limit.words)
 
     def sharper(self, times: float) -> "Hypothesis":
         """Return it with its smoothed edges so many times narrower."""

@@ -3,14 +3,16 @@
 The memory z of Dahl's law lies between -1 and 1. It follows the flow until it
 saturates, over a distance w, the presliding: z' = (f - |f| z) / w. The effort is s z.
 It stores s w z²/2 and takes out s |f| z² >= 0, so it only ever loses power. Motion that
-goes one way only shows no memory: there it is Coulomb friction, or a late start.
+goes one way only shows no memory: there it is Coulomb friction, or a late start. And
+where w is next to none it is Coulomb friction that holds, and is told as that.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import sympy
 
-from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Limit, Passivity
 from bondgraph.physics.places.base import MECHANICAL, Coefficient, E, Place, Q
 from bondgraph.physics.places.junction import OneJunctionPlace
 from bondgraph.structure.edits import SignalState
@@ -22,6 +24,9 @@ SHARES = (0.03, 0.1, 0.4)
 
 SKEWS = (*(0.0,) * len(SHARES), *(0.25,) * len(SHARES), -0.5)
 """Starts of r beside those: at -1 a loop is loaded along a straight line."""
+
+AT_ONCE = 2.0
+"""A presliding of so many times the least one is none: it is dry friction."""
 
 LONGEST = 0.5
 """Of the distance travelled: a memory that is never used up is a spring's."""
@@ -63,7 +68,11 @@ class DahlHysteresis(AbstractPhysics):
         element = EffortSource(place.name_of("hysteresis"), value=-law)
         words = f"{place.a(E)} against the motion that builds up over a distance"
         edit = place.insert(element, *coefficients, states=(state,))
-        return self.hypothesis(place, edit, law, coefficients, words, extends=extends)
+        found = self.hypothesis(place, edit, law, coefficients, words, extends=extends)
+        way = coefficients[1].parameter
+        dry = f"{place.a(E)} of constant size against the motion, which holds at rest"
+        limit = Limit(way.name, AT_ONCE * way.bounds[0], "coulomb_friction", dry)
+        return replace(found, limit=limit)
 
 
 class BoucWenHysteresis(DahlHysteresis):

@@ -3,7 +3,12 @@
 Where two laws predict equally well, the one listed first is told first.
 """
 
-from bondgraph.physics.actuation import DeadZone, InputScale, Saturation
+from bondgraph.physics.actuation import (
+    DeadZone,
+    InputNonlinearity,
+    InputScale,
+    Saturation,
+)
 from bondgraph.physics.bias import ConstantBias
 from bondgraph.physics.contact import AddedCompliance, Backlash, SeriesCompliance
 from bondgraph.physics.drag import QuadraticDrag, SpeedLimit
@@ -82,6 +87,7 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     Delay(),
     Saturation(),
     DeadZone(),
+    InputNonlinearity(),
     SensorNonlinearity(),
     UnknownRelation(),
 )

@@ -8,6 +8,7 @@ import sympy
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Place, Q
 from bondgraph.physics.places.channels import OutputPlace
+from bondgraph.physics.powers import raised
 from bondgraph.physics.slips import FACTORS, SLIPS, own_values
 from bondgraph.structure.elements import Compliance
 from bondgraph.structure.nodes import written_laws
@@ -15,9 +16,6 @@ from bondgraph.structure.signals import Signal, parameters_in, signals_in, t
 
 TOUCHES = 0.1
 """A reading that comes this near to zero, in its largest values, may turn there."""
-
-NEAR_ZERO = 0.01
-"""A power is a line within this share of the largest reading."""
 
 
 class SensorScale(AbstractPhysics):
@@ -128,8 +126,7 @@ class SensorNonlinearity(AbstractPhysics):
     def _raised(self, place: OutputPlace) -> Hypothesis:
         power = place.strength("sensor_power", "1", (0.0, 0.2), low=-0.8, high=3.0)
         size = place.constant("sensor_size", place.channel_unit, place.peak)
-        share = sympy.sqrt((place.signal / size.symbol) ** 2 + NEAR_ZERO**2)
-        law = place.signal * share**power.symbol
+        law = raised(place.signal, size.symbol, power.symbol)
         words = f"{place.name} reads a power of what is there, one higher than told"
         edit = place.become(law, power, size)
         return self.hypothesis(place, edit, law, (power, size), words)

@@ -19,7 +19,7 @@ from bondgraph.recordings.noise import outliers
 from bondgraph.recordings.turns import unwrapped
 
 STEPPED = 0.05
-"""An input has stepped where it changes by more than this share of its range at once."""
+"""An input steps where it changes by more than this share of its range at once."""
 
 SELDOM = 0.2
 """Of an input that steps in more of the rows than this any row follows a step."""

@@ -403,6 +403,7 @@ SCENES: Mapping[str, Scene] = {
     "Delay": Scene(**_COMMANDED, values={"delay": 0.4}),
     "Saturation": Scene(**_COMMANDED, values={"limit": 6.0}),
     "DeadZone": Scene(**_COMMANDED, values={"dead_zone": 3.0}),
+    "InputNonlinearity": Scene(**_COMMANDED, values={"input_power": 1.0}),
     "SensorNonlinearity": Scene(
         **_READ, values={"sensor_square": 0.0, "sensor_cube": -0.35}
     ),

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bondgraph.diagnosis.answer.at_jumps import doubted_at_jumps
+from bondgraph.diagnosis.answer.changed_over import with_images
 from bondgraph.diagnosis.answer.concluding import concluded
 from bondgraph.diagnosis.answer.doubt import doubted
 from bondgraph.diagnosis.answer.evidence_shown import all_evidence
@@ -71,6 +72,7 @@ def answer(
     told, others = findings_of(rounds, after, held_out, options, left)
     stretches = _over_stretches(base, final, held_out, shown)
     carried = carries_over(shown, trained, stretches)
+    told = with_images(told, base.graph, after.estimates)
     findings = doubted_at_jumps(doubted(told, left, carried=carried), made)
     wrong = contradicted(graph, after.estimates)
     verdict, statement = concluded(

@@ -10,6 +10,7 @@ from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.result import Estimate
 from bondgraph.physics.names import SOFTER
 from bondgraph.structure.domains import ROTATION, TRANSLATION
+from bondgraph.structure.mirror import mirror_images
 from bondgraph.structure.units import plain_unit
 
 SURE, UNSURE = "was left out", "may have been left out"
@@ -53,7 +54,7 @@ def finding_statement(
     estimates: Sequence[Estimate],
 ) -> str:
     """Return what was left out, where, how much, and what it may be instead."""
-    hypothesis = chosen.candidate.hypothesis
+    hypothesis = chosen.candidate.told
     numbers = ", ".join(
         f"{estimate.name} = {value_with_error(estimate)}" for estimate in estimates
     )
@@ -119,14 +120,28 @@ def next_experiment(
         close = others.get(finding.element, ())
         advice += _separate_laws(finding, close, base)
         if finding.indistinguishable_places:
-            alike = (finding.place, *finding.indistinguishable_places)
-            advice.append(_separate_places(alike, base))
+            advice += _separate_places(finding, base)
     if designed is not None:
         advice.append(designed.statement)
     return " ".join(dict.fromkeys(advice))
 
 
-def _separate_places(alike: Sequence[str], base: FittedModel) -> str:
+def _separate_places(finding: Finding, base: FittedModel) -> list[str]:
+    """Return what would tell a finding's place from those that it may be at as well."""
+    place, others = finding.place, finding.indistinguishable_places
+    images = {image.of(place) for image in mirror_images(base.graph)}
+    changed = [other for other in others if other in images]
+    alike = [other for other in others if other not in images]
+    advice = [_separate_alike((place, *alike), base)] if alike else []
+    if changed:
+        advice.append(
+            f"To tell {' and '.join((place, *changed))} apart, measure at one of them, "
+            "or state a value that one has and the other has not."
+        )
+    return advice
+
+
+def _separate_alike(alike: Sequence[str], base: FittedModel) -> str:
     sensors = [name for name in alike if not base.graph.has_place(name)]
     if sensors:
         return (

@@ -71,7 +71,7 @@ class Judged:
     @property
     def physics(self) -> str:
         """The word for the physics."""
-        return self.candidate.hypothesis.physics
+        return self.candidate.told.physics
 
     @property
     def name(self) -> str:

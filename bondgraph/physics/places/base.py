@@ -23,6 +23,9 @@ from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.parameters import Assumed, Parameter
 from bondgraph.structure.signals import parameter_symbol
 
+PROPOSED = Assumed("hypothesis of a diagnosis")
+"""Where the numbers of a law begin that the library proposes."""
+
 MECHANICAL = frozenset({TRANSLATION, ROTATION, ANALOGUE})
 FLUID = frozenset({HYDRAULIC, ANALOGUE})
 ELECTRIC = frozenset({ELECTRICAL, ANALOGUE})
@@ -147,7 +150,7 @@ class Place(ABC):
     def constant(self, stem: str, unit: str, value: float) -> Coefficient:
         """Return a coefficient that is not fitted, such as a scale."""
         parameter = Parameter(
-            name=self.name_of(stem), value=value, unit=unit, std=0.0, source=_SOURCE
+            name=self.name_of(stem), value=value, unit=unit, std=0.0, source=PROPOSED
         )
         return Coefficient(parameter, ())
 
@@ -171,7 +174,7 @@ class Place(ABC):
             value=inside[0],
             unit=unit,
             bounds=(low, high),
-            source=_SOURCE,
+            source=PROPOSED,
         )
         return Coefficient(parameter, inside, strength)
 
@@ -184,6 +187,3 @@ class Place(ABC):
         while name in taken:
             name += "_2"
         return name
-
-
-_SOURCE = Assumed("hypothesis of a diagnosis")

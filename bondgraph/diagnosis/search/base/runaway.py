@@ -6,16 +6,24 @@ where the author of the model has stated as well.
 """
 
 from bondgraph.fitting.estimate import FittedModel
+from bondgraph.physics.places.base import PROPOSED
 
 FAR = 3.0
 """A value so many times larger or smaller than where its fit began has run away."""
 
 
 def run_away(fitted: FittedModel, times: float = FAR) -> dict[str, float]:
-    """Return the stated values of parameters that a fit has left by so many times."""
-    problem = fitted.problem
+    """Return the stated values of parameters that a fit has left by so many times.
+
+    What a law that was found began with nobody has stated.
+    """
+    problem, parameters = fitted.problem, fitted.graph.parameters
     names = problem.model.parameter_names
-    began = {names[i]: float(problem.start[i]) for i in problem.free}
+    began = {
+        names[i]: float(problem.start[i])
+        for i in problem.free
+        if parameters[names[i]].source != PROPOSED
+    }
     return {
         name: value
         for name, value in began.items()

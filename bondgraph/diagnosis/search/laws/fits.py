@@ -1,8 +1,8 @@
 """Fits: the hypotheses that promise most, briefly on few data, then fully on all.
 
 What seems a worse law may be a fit that ended too early: what was stopped on its way
-goes on, every candidate is refitted from its `relatives`, and what has run away with
-the base model is `brought_back`.
+goes on, past edges it is `eased`, every candidate is refitted from its `relatives`, and
+what has run away with the base model is `brought_back`.
 """
 
 from collections.abc import Iterable, Sequence
@@ -13,6 +13,7 @@ import numpy as np
 from bondgraph.diagnosis.candidates import CURVE, Candidate, Promised
 from bondgraph.diagnosis.search.base.steps import solver_named
 from bondgraph.diagnosis.search.laws.brought_back import brought_back
+from bondgraph.diagnosis.search.laws.eased import eased
 from bondgraph.diagnosis.search.laws.relatives import related
 from bondgraph.diagnosis.search.laws.sharper import sharpened
 from bondgraph.diagnosis.search.trials.bench import Bench
@@ -92,7 +93,8 @@ def fit_best(
     finer = bench.base.problem.solver.substeps // bench.few.problem.solver.substeps
     starts = [one.as_start(with_states=same, finer=finer) for one in kept]
     fitted = bench.run(fit_fully, starts, "fits")
-    ended = related(bench, bench.candidates(starts, fitted), hypotheses)
+    ended = eased(bench, bench.candidates(starts, fitted))
+    ended = related(bench, ended, hypotheses)
     return sharpened(bench, brought_back(bench, ended))
 
 
