@@ -46,10 +46,12 @@ def errors(*values):
 
 def candidate(physics="drag", place="body", complexity=1, extends=(), domain=""):
     domains = [SimpleNamespace(name=domain)] if domain else []
+    hypothesis = SimpleNamespace(
+        physics=physics, place=place, extends=extends, factor=1, depends_on=()
+    )
     return SimpleNamespace(
-        hypothesis=SimpleNamespace(
-            physics=physics, place=place, extends=extends, factor=1, depends_on=()
-        ),
+        hypothesis=hypothesis,
+        told=hypothesis,
         complexity=complexity,
         fitted=SimpleNamespace(graph=SimpleNamespace(domains_at=lambda _: domains)),
     )

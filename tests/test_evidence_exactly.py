@@ -434,7 +434,11 @@ def proposal(residuals, cost, complexity=1):
         physics="drag", place="body", extends=(), factor=1, depends_on=("flow",)
     )
     return SimpleNamespace(
-        hypothesis=hypothesis, fitted=fitted, cost=cost, complexity=complexity
+        hypothesis=hypothesis,
+        told=hypothesis,
+        fitted=fitted,
+        cost=cost,
+        complexity=complexity,
     )
 
 

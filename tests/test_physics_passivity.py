@@ -159,4 +159,5 @@ def test_entries_that_carry_no_power_say_so():
         "delay",
         "saturation",
         "dead_zone",
+        "input_nonlinearity",
     }

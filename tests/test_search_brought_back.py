@@ -19,8 +19,12 @@ def fit(cost, physics="coulomb_friction", **values):
         start=np.array(list(STATED.values())),
     )
     at = {**STATED, "dry": 3.0, **values}
+    told = {name: SimpleNamespace(source=None) for name in names}
     fitted = SimpleNamespace(
-        problem=problem, values=at, optimum=SimpleNamespace(cost=cost)
+        problem=problem,
+        values=at,
+        optimum=SimpleNamespace(cost=cost),
+        graph=SimpleNamespace(parameters=told),
     )
     hypothesis = SimpleNamespace(
         physics=physics, place="cabin", strengths=("dry",), starts=({"dry": 1.0},),

@@ -67,7 +67,7 @@ def heated(model):
 
 
 HELD = FitSettings(hold=Hold.ZERO)
-WORDS = ("leak", "lag", "constant_bias", "sensor_scale")
+WORDS = ("leak", "delay", "constant_bias", "sensor_scale")
 
 
 def found(model):

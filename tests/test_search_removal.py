@@ -74,7 +74,7 @@ def test_a_delay_found_behind_a_lag_takes_its_place():
     channels = {"speed": (speed[late:], "m/s"), "force": (force, "N")}
     recording = bind_to(graph, Recording.from_arrays("run", time[late:], channels))
     base = fit_model(graph, [recording], FitSettings())
-    (lag,) = (h for h in propose_all(base, (Lag(),)) if h.place == "force")
+    lag, _ = (h for h in propose_all(base, (Lag(),)) if h.place == "force")
     before = fitted_with(base, base, [lag], lag.starts[0])
     (delay,) = (h for h in propose_all(before, (Delay(),)) if h.place == "force")
     after = fitted_with(base, before, [lag, delay], delay.starts[1])

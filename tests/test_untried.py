@@ -40,7 +40,10 @@ def proposed(ranges):
     }
 
 
-LATE = {(word, "force") for word in ("lag", "delay", "saturation", "dead_zone")}
+LATE = {
+    (word, "force")
+    for word in ("lag", "delay", "saturation", "dead_zone", "input_nonlinearity")
+}
 
 
 def test_an_input_that_never_changes_shows_not_how_it_would():

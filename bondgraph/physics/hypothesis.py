@@ -94,6 +94,8 @@ class Hypothesis:
         That curve, where it changes a law and nothing can be taken out again.
     limit
         Where it is told as a plainer law; None where it never is.
+    visited
+        The range of its variable that a curve is drawn over; None of any other law.
     """
 
     physics: str
@@ -111,6 +113,7 @@ class Hypothesis:
     factor: sympy.Expr = sympy.S.One
     shape: Shape | None = None
     limit: Limit | None = None
+    visited: tuple[float, float] | None = None
 
     @property
     def parameters(self) -> tuple[str, ...]:

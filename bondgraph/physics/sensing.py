@@ -14,6 +14,11 @@ from bondgraph.structure.elements import Compliance
 from bondgraph.structure.nodes import written_laws
 from bondgraph.structure.signals import Signal, parameters_in, signals_in, t
 
+FAR_FROM_ZERO = 0.3
+"""A range whose near end is so far out, of its far one, does not begin at zero: an
+absolute temperature, a pressure above a pressure.
+"""
+
 TOUCHES = 0.1
 """A reading that comes this near to zero, in its largest values, may turn there."""
 
@@ -93,15 +98,18 @@ class SensorNonlinearity(AbstractPhysics):
             yield self._raised(place)
 
     def _bent(self, place: OutputPlace) -> Hypothesis:
-        # At the peak it reads at most twice what is there, for each of the two bends.
+        """Bend it about zero, or about the middle of a range that is far from zero."""
+        middle, half = _middle(place)
+        # At an end it reads at most so much more again, for each of the two bends.
         low, high = -1.0, 1.0
         square = place.strength("sensor_square", "1", (0.0, 0.05), low=low, high=high)
         cube = place.strength("sensor_cube", "1", (0.0, 0.05), low=low, high=high)
-        size = place.constant("sensor_size", place.channel_unit, place.peak)
-        x = place.signal / size.symbol
-        law = place.signal * (1 + square.symbol * x + cube.symbol * x**2)
+        size = place.constant("sensor_size", place.channel_unit, half)
+        right = place.constant("sensor_right_at", place.channel_unit, middle)
+        x = (place.signal - (right.symbol if middle else 0)) / size.symbol
+        law = place.signal + size.symbol * (square.symbol * x**2 + cube.symbol * x**3)
         words = f"{place.name} reads what is there along a bent curve"
-        coefficients = (square, cube, size)
+        coefficients = (square, cube, size, *((right,) if middle else ()))
         edit = place.become(law, *coefficients)
         return self.hypothesis(place, edit, law, coefficients, words)
 
@@ -130,6 +138,15 @@ class SensorNonlinearity(AbstractPhysics):
         words = f"{place.name} reads a power of what is there, one higher than told"
         edit = place.become(law, power, size)
         return self.hypothesis(place, edit, law, (power, size), words)
+
+
+def _middle(place: OutputPlace) -> tuple[float, float]:
+    """Return where a bent sensor is right, and how far its range goes from there."""
+    low, high = place.range
+    near, far = sorted((abs(low), abs(high)))
+    if low * high <= 0.0 or near <= FAR_FROM_ZERO * far:
+        return 0.0, place.peak
+    return (low + high) / 2.0, (high - low) / 2.0
 
 
 def _has_free(place: OutputPlace, *, factor: bool) -> bool:

@@ -42,9 +42,13 @@ class UnknownRelation(AbstractPhysics):
     ----------
     smooth
         None for few knots of free height, which find the place.
+    visited
+        The range of a common flow or effort, or a displacement, to draw over; None for
+        that which the base model goes through.
     """
 
     smooth: Smooth | None = None
+    visited: tuple[float, float] | None = None
 
     word = "unknown_relation"
     reference = "piecewise linear interpolation"
@@ -114,8 +118,9 @@ class UnknownRelation(AbstractPhysics):
     ) -> Hypothesis:
         """Hang a curve of a local variable at a junction."""
         answer = E if isinstance(place, OneJunctionPlace) else F
-        size = _typical(place, quantity)
-        knots = tuple(knot / size for knot in knots_at(place, quantity))
+        size, visited = _typical(place, quantity), self.visited
+        visited = visited or _visited(place, quantity)
+        knots = tuple(knot / size for knot in knots_at(place, quantity, visited))
         width = place.constant(f"curve_{quantity}", place.unit(quantity), size)
         unit, x = place.unit(answer), variable / width.symbol
         odd = self._odd(knots)
@@ -131,7 +136,8 @@ class UnknownRelation(AbstractPhysics):
             f"{place.domain.word(quantity)}{BOTH_WAYS if odd else ''}"
         )
         edit = place.insert(element, *heights, width)
-        return self.hypothesis(place, edit, law, heights, words)
+        found = self.hypothesis(place, edit, law, heights, words)
+        return replace(found, visited=visited)
 
     def _rubbing(self, place: OneJunctionPlace) -> Hypothesis:
         """Hang dry friction whose size is a curve of the way."""
@@ -169,13 +175,20 @@ class UnknownRelation(AbstractPhysics):
         return replace(found, factor=factor)
 
 
-def knots_at(place: JunctionPlace, quantity: Quantity) -> Knots:
+def knots_at(
+    place: JunctionPlace, quantity: Quantity, visited: tuple[float, float]
+) -> Knots:
     """Return where a curve of a local variable has its knots, in the variable's unit.
 
     In the order of its heights.
+
+    Parameters
+    ----------
+    visited
+        The range to draw over.
     """
     size = _typical(place, quantity)
-    knots = (turning if quantity is F else even)(_visited(place, quantity), size)
+    knots = (turning if quantity is F else even)(visited, size)
     return tuple(size * knot for knot in knots)
 
 

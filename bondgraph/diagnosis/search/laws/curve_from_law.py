@@ -4,7 +4,8 @@ From nothing a curve may not find its form where the model without it is far fro
 machine, and a law with a name does: an air spring is nearly a hardening one. Where a
 chosen law leaves much that is no noise, a curve at its place is fitted as well, from
 where the best law of the curve's own variable has ended, so that one can see whether
-that is all there is.
+that is all there is. So is one of a variable that goes through another range than the
+first model had it, over that range: a wheel that spins slips as no wheel that grips.
 """
 
 from collections.abc import Sequence
@@ -30,6 +31,11 @@ from bondgraph.structure.edits import InsertElement
 Array = NDArray[np.float64]
 MUCH = 0.5
 """A chosen law that leaves more than this share beyond the noise is looked at again."""
+
+ANOTHER = 1.5
+"""A range so many times as wide as another, or as narrow, is another range."""
+
+Range = tuple[float, float]
 
 
 def with_curve_drawn(
@@ -65,7 +71,7 @@ def with_curve_drawn(
 
 
 def _trial(bench: Bench, there: str, judged: Sequence[Judged]) -> Trial | None:
-    """Return a fit of a curve at a place that was not judged yet.
+    """Return a fit of a curve that was not judged yet, or not over its range.
 
     It begins as the best law that depends on the curve's own variable and nothing else.
     """
@@ -77,28 +83,58 @@ def _trial(bench: Bench, there: str, judged: Sequence[Judged]) -> Trial | None:
         and isinstance(one.candidate.hypothesis.edit, InsertElement)
     ]
     known = {one.candidate.hypothesis.told_by for one in judged}
-    for place in all_places(bench.base.graph, measure_scales(bench.base)):
-        if place.name != there or not isinstance(place, JunctionPlace):
-            continue
-        curves = [
-            curve
-            for curve in UnknownRelation().propose(place)
-            if curve.told_by not in known and curve.factor == 1
-        ]
-        for law in laws:
-            for curve in curves:
-                if law.hypothesis.depends_on == curve.depends_on:
-                    return Trial(curve, (_as_the_law(law, curve, place),))
-    return None
+    trials = (
+        _begun_as(law, curve, place, known)
+        for place in all_places(bench.base.graph, measure_scales(bench.base))
+        if place.name == there and isinstance(place, JunctionPlace)
+        for law in laws
+        for curve in UnknownRelation().propose(place)
+        if curve.factor == 1 and law.hypothesis.depends_on == curve.depends_on
+    )
+    return next((one for one in trials if one is not None), None)
 
 
-def _as_the_law(law: Candidate, curve: Hypothesis, place: JunctionPlace) -> Start:
-    """Return where the law has ended, with the heights of the curve on the law."""
+def _begun_as(
+    law: Candidate, curve: Hypothesis, place: JunctionPlace, known: set[tuple[str, ...]]
+) -> Trial | None:
+    """Return a fit of the curve that begins as the law; None where it was judged."""
+    x, y = law_curve(law.fitted, law, _variable(curve, place).value)
+    over = _another(curve.visited, (float(x.min()), float(x.max())))
+    if over is not None:
+        curve = _over(place, curve, over)
+    elif curve.told_by in known:
+        return None
+    return Trial(curve, (_as_the_law(law, curve, place, (x, y)),))
+
+
+def _another(visited: Range | None, told: Range) -> Range | None:
+    """Return the range that a law's fit goes through where it is another one."""
+    if visited is None:
+        return None
+    before, now = visited[1] - visited[0], told[1] - told[0]
+    return told if not 1.0 / ANOTHER < now / before < ANOTHER else None
+
+
+def _over(place: JunctionPlace, curve: Hypothesis, visited: Range) -> Hypothesis:
+    """Return the same curve over another range."""
+    proposed = UnknownRelation(visited=visited).propose(place)
+    return next(one for one in proposed if one.words == curve.words)
+
+
+def _variable(curve: Hypothesis, place: JunctionPlace) -> Quantity:
+    """Return what a curve is drawn over."""
+    if any(Quantity.DISPLACEMENT.value in one for one in curve.depends_on):
+        return Quantity.DISPLACEMENT
     is_one = isinstance(place, OneJunctionPlace)
-    local = Quantity.FLOW if is_one else Quantity.EFFORT
-    displaced = any(Quantity.DISPLACEMENT.value in one for one in curve.depends_on)
-    quantity = Quantity.DISPLACEMENT if displaced else local
-    x, y = law_curve(law.fitted, law, quantity.value)
-    heights = np.interp(knots_at(place, quantity), x, y)
+    return Quantity.FLOW if is_one else Quantity.EFFORT
+
+
+def _as_the_law(
+    law: Candidate, curve: Hypothesis, place: JunctionPlace, line: tuple[Array, Array]
+) -> Start:
+    """Return where the law has ended, with the heights of the curve on its line."""
+    assert curve.visited is not None
+    knots = knots_at(place, _variable(curve, place), curve.visited)
+    heights = np.interp(knots, *line)
     on_it = dict(zip(curve.strengths, map(float, heights), strict=True))
     return Start({**law.fitted.values, **on_it})

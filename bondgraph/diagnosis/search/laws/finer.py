@@ -223,7 +223,8 @@ def _drawn(
     """
     values = first.fitted.values
     heights = tuple(values[name] for name in first.hypothesis.strengths)
-    physics = UnknownRelation(Smooth(heights, PIECES, roughness, odd))
+    smooth = Smooth(heights, PIECES, roughness, odd)
+    physics = UnknownRelation(smooth, first.hypothesis.visited)
     hypothesis = _proposed(bench, first.hypothesis, physics)
     if hypothesis is None or (odd and BOTH_WAYS not in hypothesis.words):
         return None

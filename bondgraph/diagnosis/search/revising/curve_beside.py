@@ -41,7 +41,7 @@ the curve is better still. Not where dry friction was found by then: of a real m
 it explains most and not all, and is what its friction is called.
 """
 
-NOISE_ALONE, FAR_FROM_IT = 0.5, 0.9
+NOISE_ALONE, FAR_FROM_IT = 0.5, 0.75
 """A curve is all there is where no more than this share of what it leaves is not noise,
 and laws with names are not where this share of what they leave is not.
 """
