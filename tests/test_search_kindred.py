@@ -94,7 +94,7 @@ def test_those_that_help_most_as_one_go_on_and_have_few_rivals(base):
     values = pair.both.fitted.values
     found = {side: values[f"coulomb_{side}"] for side in FRICTION}
     assert found == pytest.approx(FRICTION, rel=0.02)
-    assert pairing.rivals(pair, 100.0) == 6.0
+    assert pairing.rivals(pair, 100.0) == 10.0
     assert (
         pairing.rivals(pair.__class__(pair.second, pair.first, pair.both), 100.0) > 9e3
     )
