@@ -13,7 +13,7 @@ from bondgraph.fitting.problem import (
     FitProblem,
     Linearisation,
     linearise_windows,
-    write_windows,
+    window_costs,
 )
 from bondgraph.fitting.settling import settle
 from bondgraph.fitting.steps import Step, next_step, total_cost
@@ -56,45 +56,42 @@ class Optimum:
 def _repair(
     problem: FitProblem,
     step: Step,
-    new: Linearisation,
+    costs: Array,
     before: tuple[Array, Linearisation, float],
-) -> tuple[Step, Linearisation]:
+) -> tuple[Step, Array]:
     """Settle the windows that a step made worse than promised, from where they were.
 
     One window in which friction sticks where it slid would otherwise refuse a step that
     is right for all others. A window that ends as the linearised problem says is none
     of these, even if the others gain at its cost. Where all this does not save the
-    step, only the costs of what is returned are those of the settled windows.
+    step, it is returned as it was.
 
     Parameters
     ----------
+    costs
+        Of every window after the step; what they are then is returned.
     before
         Initial states, linearisation and whole cost where the step was taken from.
     """
     initial, here, cost = before
     old = here.cost
     worse = np.flatnonzero(
-        ~(new.cost <= np.maximum(WORSE * old, UNFORESEEN * step.promised))
+        ~(costs <= np.maximum(WORSE * old, UNFORESEEN * step.promised))
     )
     if len(worse) == 0 or problem.model.n_states == 0:
-        return step, new
+        return step, costs
     part = replace(problem, shots=problem.shots.subset(worse))
     settled, at = settle(part, step.theta, initial[worse], REPAIR_ITERATIONS)
-    better = at.cost < new.cost[worse]
+    better = at.cost < costs[worse]
     if not better.any():
-        return step, new
+        return step, costs
     windows = worse[better]
     take = np.zeros(len(old), dtype=bool)
     take[windows] = True
-    told = replace(new, cost=_put(new.cost, take, at.cost[better]))
+    told = _put(costs, take, at.cost[better])
     if not total_cost(problem, told, step.theta) < cost:
         return step, told
-    part = replace(problem, shots=problem.shots.subset(windows))
-    mended = linearise_windows(part, step.theta, settled[better])
-    every = np.ones(len(windows), dtype=bool)
-    write_windows(new, problem.shots.edges, windows, mended, every)
-    chosen = _put(step.initial, take, settled[better])
-    return replace(step, initial=chosen), new
+    return replace(step, initial=_put(step.initial, take, settled[better])), told
 
 
 def _put(whole: Array, where: NDArray[np.bool_], values: Array) -> Array:
@@ -132,7 +129,7 @@ def minimise(
     if settled is None or not np.array_equal(given, theta):
         settled = linearise_windows(problem, theta, initial)
     here = settled
-    cost = total_cost(problem, here, theta)
+    cost = total_cost(problem, here.cost, theta)
     told = TOLD_STD**2 / int(problem.measured.sum())
     share = min(RELATIVE_DECREASE, told) if tolerance is None else tolerance
     damping, small, done, lost = 1e-4, 0, 0, 0
@@ -141,9 +138,13 @@ def minimise(
         near = 0.0 <= step.decrease <= EXACT * share * cost
         if near and damping <= GAUSS_NEWTON and np.isfinite(cost):
             return Optimum(theta, initial, here, cost, done, True, lost)
-        new = linearise_windows(problem, step.theta, step.initial)
-        step, new = _repair(problem, step, new, (initial, here, cost))
-        new_cost = total_cost(problem, new, step.theta)
+        # Most of the work is in the slopes, and a step that is refused needs none.
+        costs = window_costs(problem, step.theta, step.initial)
+        step, costs = _repair(problem, step, costs, (initial, here, cost))
+        new_cost = total_cost(problem, costs, step.theta)
+        if new_cost < cost:
+            new = linearise_windows(problem, step.theta, step.initial)
+            new_cost = total_cost(problem, new.cost, step.theta)
         if new_cost < cost:
             # The first step out of where nothing could be simulated is not a small one.
             tiny = np.isfinite(cost) and cost - new_cost <= share * cost

@@ -47,7 +47,8 @@ def solve(
     warm = None if strategy is None else approach(problem, start, strategy)
     if warm is not None:
         warm_states, there = settle(problem, *warm)
-        if not total_cost(problem, here, start) <= total_cost(problem, there, warm[0]):
+        ahead = total_cost(problem, there.cost, warm[0])
+        if not total_cost(problem, here.cost, start) <= ahead:
             start, states = warm[0], warm_states
     return minimise(problem, start, states, iterations=iterations, tolerance=tolerance)
 

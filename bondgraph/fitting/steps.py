@@ -32,10 +32,10 @@ class Step:
     decrease: float
 
 
-def total_cost(problem: FitProblem, at: Linearisation, theta: Array) -> float:
+def total_cost(problem: FitProblem, costs: Array, theta: Array) -> float:
     """Return the cost of all windows and of what is known beforehand."""
     prior, _ = prior_residuals(problem, theta)
-    return float(at.cost.sum() + prior @ prior)
+    return float(costs.sum() + prior @ prior)
 
 
 def next_step(

@@ -26,6 +26,9 @@ from bondgraph.structure.edits import InsertElement, LoosenBond
 
 Array = NDArray[np.float64]
 
+NEARLY = 0.25
+"""A law that promises this share of what it does at another place may be there."""
+
 TWICE = 2
 """So many stores behind resistances of their own may be found at a place."""
 
@@ -148,15 +151,27 @@ def promising(promised: Sequence[Promised], options: Options) -> list[Promised]:
     """Return the hypotheses worth a fit, those that promise most first.
 
     And what the best of them contain: a wider law may promise what the narrower one is,
-    backlash without a gap what a spring does.
+    backlash without a gap what a spring does. And they themselves at other places where
+    they promise nearly as much.
     """
     worth = options.rule.materiality / 4
     leading = [one for one in promised if one.reduction >= worth][: options.fitted]
-    wide = [one.hypothesis for one in leading[: options.judged]]
+    best = leading[: options.judged]
     known = {id(one) for one in leading}
-    contained = (
+    others = (
         one
         for one in promised
-        if id(one) not in known and any(w.contains(one.hypothesis) for w in wide)
+        if id(one) not in known
+        and any(
+            led.hypothesis.contains(one.hypothesis) or _is_elsewhere(led, one)
+            for led in best
+        )
     )
-    return [*leading, *contained]
+    return [*leading, *others]
+
+
+def _is_elsewhere(led: Promised, other: Promised) -> bool:
+    """Return whether the other is the same law at another place, nearly as good."""
+    one, two = led.hypothesis, other.hypothesis
+    same = one.physics == two.physics and len(one.parameters) == len(two.parameters)
+    return same and one.place != two.place and other.reduction >= NEARLY * led.reduction

@@ -87,7 +87,7 @@ def fit_best(
     reached = _reached(bench, zip(hypotheses, brief, strict=True))
     if not reached:
         return []
-    reached = _gone_on(bench, reached, most)
+    reached = _gone_on(bench, _at_other_places(bench, reached), most)
     kept = _kept(reached, keep, most)
     same = bench.few.problem.shots is bench.base.problem.shots
     finer = bench.base.problem.solver.substeps // bench.few.problem.solver.substeps
@@ -199,8 +199,37 @@ def _gone_on(bench: Bench, reached: list[ShortFit], most: int) -> list[ShortFit]
     trials += _from_what_they_contain(reached, ON_THE_WAY * lead)
     longer = bench.run(fit_on, trials, "longer fits", few=True)
     there = _reached(bench, zip([t.hypothesis for t in trials], longer, strict=True))
+    return _best_of_each((*there, *reached))
+
+
+def _at_other_places(bench: Bench, reached: list[ShortFit]) -> list[ShortFit]:
+    """Return them again, the leading law at other places fitted from all its starts.
+
+    Where it promises little a start that does as little has kept the promise; but what
+    helps so much here may help more next to it.
+    """
+    lead = next((one for one in reached if one.is_named), None)
+    if lead is None or lead.reduction <= 0.0:
+        return reached
+    law, enough = lead.hypothesis, KEPT_PROMISE * lead.reduction
+    behind = [
+        one
+        for one in reached
+        if one.hypothesis.physics == law.physics
+        and one.hypothesis.place != law.place
+        and len(one.hypothesis.parameters) == len(law.parameters)
+        and one.reduction < enough
+    ]
+    trials = [Trial(one.hypothesis, enough=enough) for one in behind]
+    again = bench.run(fit_briefly, trials, "the same elsewhere", few=True)
+    found = _reached(bench, zip([t.hypothesis for t in trials], again, strict=True))
+    return _best_of_each((*found, *reached))
+
+
+def _best_of_each(fits: Iterable[ShortFit]) -> list[ShortFit]:
+    """Return the best fit of every law, the best law first."""
     best: dict[int, ShortFit] = {}
-    for one in (*there, *reached):
+    for one in fits:
         known = best.setdefault(id(one.hypothesis), one)
         if one.reduction > known.reduction:
             best[id(one.hypothesis)] = one

@@ -31,7 +31,7 @@ from bondgraph.diagnosis.work.journal import Plain
 from bondgraph.errors import BondGraphError, EquationError
 from bondgraph.fitting.estimate import FittedModel, first_guess
 from bondgraph.fitting.levenberg_marquardt import Optimum, minimise
-from bondgraph.fitting.problem import FitProblem, linearise_windows
+from bondgraph.fitting.problem import FitProblem, window_costs
 from bondgraph.fitting.settling import settle
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.simulation.solvers import Solver
@@ -272,7 +272,9 @@ def _begin(
     if not trial.starts:
         starts = thetas(base, hypothesis, problem, _own_starts(base, hypothesis))
         begun = [(theta, settled(base, problem, theta)) for theta in starts]
-        far = hypothesis.waits or hypothesis.repeats
+        # A slip begins with the model's own values as stated: so do its states.
+        stated = any(name in base.values for name in hypothesis.starts[0])
+        far = hypothesis.waits or hypothesis.repeats or stated
         if not far or not problem.model.n_states:
             return begun
         return [(theta, _or_early(problem, theta, states)) for theta, states in begun]
@@ -308,10 +310,10 @@ def _or_early(problem: FitProblem, theta: Array, states: Array) -> Array:
     stop is never reached that was hit, for its motion ends before, and a weight that
     goes round is now ahead and now behind.
     """
-    here = linearise_windows(problem, theta, states)
+    here = window_costs(problem, theta, states)
     early = first_guess(problem, theta)
     early, there = settle(problem, theta, early, SETTLE_ITERATIONS)
-    return np.where((there.cost < here.cost)[:, None], early, states)
+    return np.where((there.cost < here)[:, None], early, states)
 
 
 def _at_its_starts(base: FittedModel, trial: Trial) -> float:
@@ -323,7 +325,7 @@ def _at_its_starts(base: FittedModel, trial: Trial) -> float:
 
 def _cost_at(problem: FitProblem, start: tuple[Array, Array]) -> float:
     """Return the cost of a start as it is; infinite where it cannot be simulated."""
-    cost = float(np.sum(linearise_windows(problem, *start).cost))
+    cost = float(np.sum(window_costs(problem, *start)))
     return cost if np.isfinite(cost) else np.inf
 
 
