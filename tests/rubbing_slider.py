@@ -14,9 +14,14 @@ def slider():
     return g.finish()
 
 
-def proposed(fitted, physics):
-    """Return the one hypothesis of a physics at the cart."""
+def place_of(fitted):
+    """Return the cart as a place for hypotheses."""
     places = all_places(fitted.graph, measure_scales(fitted))
     (place,) = (place for place in places if place.name == "cart")
-    (hypothesis,) = physics.propose(place)
+    return place
+
+
+def proposed(fitted, physics):
+    """Return the one hypothesis of a physics at the cart."""
+    (hypothesis,) = physics.propose(place_of(fitted))
     return hypothesis

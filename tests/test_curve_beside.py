@@ -5,12 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from judged_candidates import judged
-from rubbing_slider import proposed, slider
+from rubbing_slider import place_of, proposed, slider
 
 from bondgraph import Recording, bind_to, diagnose
 from bondgraph.diagnosis.candidates import CURVE, Candidate
+from bondgraph.diagnosis.drawn_laws import law_curve
 from bondgraph.diagnosis.evidence.judged import Rule
 from bondgraph.diagnosis.records import Verdict
+from bondgraph.diagnosis.search.laws import curve_from_law
 from bondgraph.diagnosis.search.laws.curve_from_law import with_curve_drawn
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.revising import curve_beside
@@ -239,3 +241,24 @@ def test_a_curve_begins_as_the_best_law_of_its_own_variable():
     assert (curve.physics, curve.place) == (CURVE, "cart")
     assert curve.gain.value > 0.99 > max(one.gain.value for one in before)
     assert again == drawn
+
+
+def test_a_curve_goes_over_the_range_that_a_law_goes_through(monkeypatch):
+    base = fit_model(slider(), [recorded(slider(), eddies, 1)], FitSettings())
+    law = proposed(base, CoulombFriction())
+    added = fitted_with(base, base, [law], law.starts[-1])
+    x, y = law_curve(added, Candidate(law, added, 1), "flow")
+    usual = next(UnknownRelation().propose(place_of(base))).visited
+    assert usual == pytest.approx((x.min(), x.max()), rel=0.01)
+    with workshop(Here(), Journal(), lambda _: None) as shop:
+        bench = Bench.of(base, shop, "round 1")
+        seen = judge_all(
+            bench, [Candidate(law, added, 1)], 1.0, Rule(), np.zeros(1),
+            lambda *_: None, Verdicts(),
+        )  # fmt: skip
+        seen = replace(seen, chosen=seen.judged[0])
+        known = with_curve_drawn(bench, seen, 1.0, Rule(), np.zeros(1))
+        monkeypatch.setattr(curve_from_law, "law_curve", lambda *_: (3.0 * x, y))
+        seen = replace(seen, judged=known)
+        *_, curve = with_curve_drawn(bench, seen, 1.0, Rule(), np.zeros(1))
+    assert curve.candidate.hypothesis.visited == pytest.approx((3 * x[0], 3 * x[-1]))

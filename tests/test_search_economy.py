@@ -14,9 +14,12 @@ from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.posing import coarse
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
+from bondgraph.fitting import levenberg_marquardt
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.fitting.fine_steps import simulated_as
 from bondgraph.fitting.levenberg_marquardt import minimise
+from bondgraph.fitting.loss import Huber
+from bondgraph.fitting.problem import linearise_windows, window_costs
 from bondgraph.physics.drag import QuadraticDrag
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.simulation.solvers import RungeKutta4, Sdirk2
@@ -51,6 +54,38 @@ def pushed(samples=800):
 @pytest.fixture(scope="module")
 def fitted():
     return fit_model(cart(), [bind_to(cart(), pushed())], FitSettings())
+
+
+def test_what_windows_cost_is_known_without_slopes(fitted):
+    problem, optimum = fitted.problem, fitted.optimum
+    theta = 1.3 * optimum.theta
+    for other in (problem, replace(problem, loss=Huber(2.0))):
+        costs = window_costs(other, theta, optimum.initial)
+        whole = linearise_windows(other, theta, optimum.initial)
+        assert costs == pytest.approx(whole.cost, rel=1e-9)
+    lost = window_costs(problem, np.full_like(theta, np.nan), optimum.initial)
+    assert np.isinf(lost).all()
+
+
+def test_a_step_that_is_refused_needs_no_slopes(fitted, monkeypatch):
+    looked = []
+    monkeypatch.setattr(
+        levenberg_marquardt,
+        "linearise_windows",
+        lambda *of: looked.append(1) or linearise_windows(*of),
+    )
+    tried = []
+    monkeypatch.setattr(
+        levenberg_marquardt,
+        "window_costs",
+        lambda *of: tried.append(1) or 1e9 * window_costs(*of),
+    )
+    monkeypatch.setattr(
+        levenberg_marquardt, "_repair", lambda _, step, costs, __: (step, costs)
+    )
+    problem, optimum = fitted.problem, fitted.optimum
+    minimise(problem, 1.2 * optimum.theta, optimum.initial, iterations=5)
+    assert (len(looked), len(tried)) == (1, 5)
 
 
 def stepped(fitted, solver):

@@ -100,6 +100,18 @@ def test_what_a_promising_law_contains_is_fitted_whatever_it_promises():
     assert promising([drag, spring], Options()) == []
 
 
+def test_what_promises_much_at_one_place_is_fitted_at_others_too():
+    def promised(place, reduction, numbers=("size",)):
+        law = SimpleNamespace(
+            physics="mode", place=place, parameters=numbers, contains=lambda _: False
+        )
+        return SimpleNamespace(hypothesis=law, reduction=reduction)
+
+    motor, carriage = promised("motor", 0.03), promised("carriage", 0.02)
+    table, wider = promised("table", 0.001), promised("idler", 0.02, ("size", "skew"))
+    assert promising([motor, carriage, wider, table], Options()) == [motor, carriage]
+
+
 def test_of_two_ways_that_fit_alike_a_command_in_steps_is_held():
     time = 0.02 * np.arange(400)
     steps = np.repeat([1.0, -1.0, 2.0, 0.0, 1.5], 80)
