@@ -303,8 +303,10 @@ def prior_residuals(problem: FitProblem, theta: Array) -> tuple[Array, Array]:
     return (problem.start[problem.free] - theta) * weight, weight
 
 
-TINY = 1e-150
-"""Scales below it square to a denormal number: their direction moves nothing."""
+TINY = 1e-75
+"""A direction of a smaller scale moves nothing: the inverse of its square is no number
+that anything could be multiplied by.
+"""
 
 
 def truncated_inverse(matrix: Array, tolerance: float = 1e-13) -> Array:
@@ -317,9 +319,11 @@ def truncated_inverse(matrix: Array, tolerance: float = 1e-13) -> Array:
         return matrix
     diagonal = np.einsum("...ii->...i", matrix)
     scale = np.sqrt(np.maximum(diagonal, 0.0))
-    scale = np.where(scale < TINY, 1.0, scale)
+    moves = scale >= TINY
+    scale = np.where(moves, scale, 1.0)
     outer = scale[..., :, None] * scale[..., None, :]
-    values, vectors = np.linalg.eigh(matrix / outer)
+    both = moves[..., :, None] & moves[..., None, :]
+    values, vectors = np.linalg.eigh(np.where(both, matrix / outer, 0.0))
     keep = values > tolerance * np.maximum(values[..., -1:], 1e-300)
     inverse_values = np.where(keep, 1.0 / np.where(keep, values, 1.0), 0.0)
     inverse = (vectors * inverse_values[..., None, :]) @ np.swapaxes(vectors, -1, -2)

@@ -14,6 +14,9 @@ from bondgraph.structure.domains import ANALOGUE
 from bondgraph.structure.edits import SignalState
 from bondgraph.structure.signals import displacement
 
+SEVERAL = 4
+"""An input that has been in fewer tenths of its size shows no characteristic."""
+
 
 class InputScale(AbstractPhysics):
     """An input that acts in another proportion than the model says."""
@@ -134,8 +137,13 @@ class InputNonlinearity(AbstractPhysics):
     )
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for every input that changes; its sign is that of the command."""
+        """Yield it for every input of several sizes; its sign is that of the command.
+
+        Through two sizes goes a power, a dead zone and a bias alike.
+        """
         if not isinstance(place, InputPlace) or place.is_constant:
+            return
+        if place.tenths < SEVERAL:
             return
         power = place.strength("input_power", "1", (0.0, 0.5, -0.3), low=-0.8, high=3.0)
         size = place.constant("input_size", place.channel_unit, place.peak)

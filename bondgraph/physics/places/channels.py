@@ -113,6 +113,11 @@ class InputPlace(ChannelPlace):
         """Whether the recordings hold it at one value."""
         return self.scales.is_constant(self.signal.name)
 
+    @property
+    def tenths(self) -> int:
+        """In how many tenths of its largest size it has been."""
+        return self.scales.tenths.get(self.name, 10)
+
     def become(
         self,
         value: sympy.Expr,

@@ -30,6 +30,9 @@ class Scales:
         empty where there is motion between samples.
     ringing
         Frequencies at which what a fit has left rings, in rad/s, the clearest first.
+    tenths
+        In how many tenths of its largest size an input has been, by name; all where
+        not known.
     """
 
     sizes: Mapping[str, float] = field(default_factory=dict)
@@ -39,6 +42,7 @@ class Scales:
     fitted: Mapping[str, float] = field(default_factory=dict)
     least: Mapping[str, float] = field(default_factory=dict)
     ringing: tuple[float, ...] = ()
+    tenths: Mapping[str, int] = field(default_factory=dict)
 
     def at(self, quantity: Quantity, place: str, default: float = 1.0) -> float:
         """Return the size of `quantity` at `place`, or `default` where unknown or 0."""

@@ -56,8 +56,11 @@ def without_hollow(
 def ends_as_nothing(final: FittedModel, found: Candidate) -> bool:
     """Return whether a law has no number in the final fit, or no strength left there.
 
-    A form that stays, the share of a hysteresis that is none, is not a number of it.
+    A form that stays, the share of a hysteresis that is none, is not a number of it. A
+    law that a later one has given another form has no number, and is there.
     """
+    if not final.values.keys() >= set(found.hypothesis.parameters):
+        return False
     if is_nothing(found.hypothesis, final.values):
         return True
     problem, theta = final.problem, final.optimum.theta
