@@ -101,6 +101,7 @@ def test_a_path_into_a_store_that_has_run_away_is_found_from_what_is_stated():
 def begun_where_fitted_only(monkeypatch):
     for module in (trying, one_round, brought_back):
         monkeypatch.setattr(module, "run_away", lambda fitted, times=3.0: {})
+    monkeypatch.setattr(trying, "_or_early", lambda problem, theta, states: states)
 
 
 def test_a_further_look_finds_it_too(monkeypatch):

@@ -57,7 +57,7 @@ def said_of_a_lag(model, late):
     base = fit_model(model, [heated(model, late)], settings)
     places = all_places(base.graph, measure_scales(base))
     (reading,) = (place for place in places if place.name == "warmer")
-    (lag,) = Lag().propose(reading)
+    lag, _ = Lag().propose(reading)
     with workshop(Here(), Journal(), lambda _: None) as shop:
         bench = Bench.of(base, shop, "test")
         trial = Trial(lag, (Start(lag.starts[-1]),))

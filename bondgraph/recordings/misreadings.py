@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import bdtrc
 
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.channel import FloatArray
@@ -23,6 +24,9 @@ STEPPED = 0.05
 
 SELDOM = 0.2
 """Of an input that steps in more of the rows than this any row follows a step."""
+
+BY_CHANCE = 0.01
+"""Misreadings come with the steps of an input so often with this probability."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +41,8 @@ def without_misreadings(recordings: Sequence[BoundRecording]) -> Cleared:
     """Return recordings with misread samples of outputs missing, and angles that go on.
 
     Only what was measured is taken for misread, not what was commanded; and a machine
-    that is switched may well jump, so that where an input has just stepped a jump is
-    kept.
+    that is switched may well jump: jumps that come as an input steps are kept, where
+    more of them do than by chance.
     """
     cleared, notes = [], []
     for recording in recordings:
@@ -113,7 +117,11 @@ def _left_out(
     values: FloatArray, time: FloatArray, driven: NDArray[np.bool_], of: str
 ) -> list[str]:
     """Leave misread samples out of `values`, and return what was done."""
-    rows = [int(row) for row in outliers(time, values) if not driven[row]]
+    found = outliers(time, values)
+    switched, share = int(driven[found].sum()), float(driven.mean())
+    if bdtrc(switched - 1, len(found), share) <= BY_CHANCE:
+        found = found[~driven[found]]
+    rows = [int(row) for row in found]
     if not rows:
         return []
     values[rows] = np.nan
