@@ -277,6 +277,24 @@ def test_what_lies_before_and_after_a_time_is_left_out(bench):
     assert "Leave out --begin and --end, or --steady." in steady.stderr
 
 
+def test_rows_of_a_table_without_a_solution_are_counted(bench):
+    Path("valve.py").write_text(
+        "from bondgraph import BondGraph, R, Se, f\n"
+        "def valve():\n"
+        "    g = BondGraph('valve', domain='hydraulic')\n"
+        "    g.one('pipe', Se('pump'), R('throat', law=f**2))\n"
+        "    g.measure('flow', flow='pipe')\n"
+        "    return g\n"
+    )
+    rows = [f"{pump},{abs(pump) ** 0.5}" for pump in (4, 9, -1, 2, 3, 6, -4, 5, 7, 8)]
+    Path("table.csv").write_text("\n".join(["pump [Pa],flow [m^3/s]", *rows]))
+    result = run("simulate", "valve.py", "table.csv", "--steady")
+    assert result.exit_code == 2
+    assert "2 of the 10 rows of 'table' have no solution" in result.stderr
+    assert "the first is row 2, counted from 0" in result.stderr
+    assert "SECONDS" not in result.stderr
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

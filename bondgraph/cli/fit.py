@@ -39,7 +39,9 @@ from bondgraph.reporting.tables import INTERVAL, estimates_table
 
 NOT_CONVERGED = (
     "It may need more steps (--iterations), start values nearer to the machine (--set, "
-    "or --starts), or one of the parameters that go together held with std=0.0."
+    "or --starts), or one of the parameters that go together held with std=0.0. A "
+    "machine that has physics beyond the model looks like this too: bondgraph diagnose "
+    "says which."
 )
 
 

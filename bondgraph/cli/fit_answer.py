@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from bondgraph.fitting.certainty.combinations import listed
 from bondgraph.fitting.certainty.identifiability import (
     IdentifiabilityStatus,
     identifiability,
@@ -122,11 +123,13 @@ def _pulled(result: FitResult, graph: FinishedGraph) -> Iterator[str]:
 
 def _at_bounds(result: FitResult) -> Iterator[str]:
     """Yield the parameters that ended where the model lets them go no further."""
-    for name in gone(result.model, result.estimates):
+    lost = gone(result.model, result.estimates)
+    if lost:
+        verb, them = ("has", "it") if len(lost) == 1 else ("have", "them")
         yield (
-            f"{name} has come down to a thousandth of what is stated and would go "
-            "below zero: these recordings do not tell it, or the model has not what "
-            "the machine has."
+            f"{listed(lost)} {verb} come down to a thousandth of what is stated and "
+            f"would go below zero: these recordings do not tell {them}, or the model "
+            "has not what the machine has."
         )
     for one in result.estimates:
         low, high = result.model.parameters[one.name].bounds

@@ -26,6 +26,7 @@ from bondgraph.fitting.either_hold import simulated_either_way
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.fitting.horizon import WholeRecordings
 from bondgraph.fitting.simulate import Solution, SolveStatus, simulate
+from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.misreadings import without_misreadings
 from bondgraph.recordings.names import join_header
 from bondgraph.recordings.spread import spread
@@ -113,12 +114,7 @@ def command(
         else:
             solution = simulate(graph, bound, settings=settings)
     if solution.status is SolveStatus.FAILED:
-        raise FitError(
-            f"The simulation of {graph.name!r} along {bound.name!r} does not stay "
-            f"finite. {solution.reason}".rstrip(),
-            (graph.name, bound.name),
-            "Simulate shorter stretches with --window SECONDS.",
-        )
+        raise _failed(graph.name, bound, solution)
     for line in _errors(solution):
         session.say(line)
     spread = "the standard deviation of what was measured"
@@ -141,6 +137,26 @@ def command(
     if output is not None:
         session.write(output, _csv(solution))
     session.deliver(json_file, _plain(solution))
+
+
+def _failed(model: str, bound: BoundRecording, solution: Solution) -> FitError:
+    """Return where a simulation stopped; of a table which rows have no solution."""
+    if not bound.steady:
+        return FitError(
+            f"The simulation of {model!r} along {bound.name!r} does not stay "
+            f"finite. {solution.reason}".rstrip(),
+            (model, bound.name),
+            "Simulate shorter stretches with --window SECONDS.",
+        )
+    missing = np.isfinite(solution.measured) & ~np.isfinite(solution.simulated)
+    rows = np.flatnonzero(missing.any(axis=1))
+    verb = "has" if rows.size == 1 else "have"
+    return FitError(
+        f"{rows.size} of the {len(missing)} rows of {solution.recording!r} {verb} no "
+        f"solution with {model!r}: the first is row {rows[0]}, counted from 0.",
+        (model, solution.recording),
+        "Look whether a law falls there where it should rise, or leave such rows out.",
+    )
 
 
 def _errors(solution: Solution) -> Iterator[str]:
