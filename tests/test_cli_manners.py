@@ -8,6 +8,7 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import click
 import numpy as np
@@ -16,7 +17,7 @@ from click.shell_completion import ShellComplete
 from click.testing import CliRunner
 from handmade_diagnosis import cart_diagnosis
 
-from bondgraph.cli import diagnosing
+from bondgraph.cli import diagnosing, simulate
 from bondgraph.cli.program import COMMANDS, program
 from bondgraph.cli.session import Session
 from bondgraph.diagnosis.work.journal import FILE, Journal
@@ -277,22 +278,18 @@ def test_what_lies_before_and_after_a_time_is_left_out(bench):
     assert "Leave out --begin and --end, or --steady." in steady.stderr
 
 
-def test_rows_of_a_table_without_a_solution_are_counted(bench):
-    Path("valve.py").write_text(
-        "from bondgraph import BondGraph, R, Se, f\n"
-        "def valve():\n"
-        "    g = BondGraph('valve', domain='hydraulic')\n"
-        "    g.one('pipe', Se('pump'), R('throat', law=f**2))\n"
-        "    g.measure('flow', flow='pipe')\n"
-        "    return g\n"
+def test_rows_of_a_table_without_a_solution_are_counted():
+    measured = np.arange(10.0)[:, None]
+    simulated = np.where(measured % 5.0 == 2.0, np.nan, measured)
+    solution = SimpleNamespace(
+        measured=measured, simulated=simulated, recording="table", reason="at t = 2 s"
     )
-    rows = [f"{pump},{abs(pump) ** 0.5}" for pump in (4, 9, -1, 2, 3, 6, -4, 5, 7, 8)]
-    Path("table.csv").write_text("\n".join(["pump [Pa],flow [m^3/s]", *rows]))
-    result = run("simulate", "valve.py", "table.csv", "--steady")
-    assert result.exit_code == 2
-    assert "2 of the 10 rows of 'table' have no solution" in result.stderr
-    assert "the first is row 2, counted from 0" in result.stderr
-    assert "SECONDS" not in result.stderr
+    table, run = (SimpleNamespace(name="table", steady=s) for s in (True, False))
+    told = simulate._failed("valve", table, solution)
+    assert "2 of the 10 rows of 'table' have no solution with 'valve'" in str(told)
+    assert "the first is row 2, counted from 0" in str(told)
+    assert "SECONDS" not in str(told)
+    assert "at t = 2 s" in str(simulate._failed("valve", run, solution))
 
 
 @pytest.mark.parametrize(
