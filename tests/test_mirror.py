@@ -3,7 +3,7 @@
 import pytest
 import sympy
 
-from bondgraph import BondGraph, C, I, R, Se, Sf, f
+from bondgraph import BondGraph, C, I, R, Se, Sf, effort, f
 from bondgraph.diagnosis.answer.changed_over import with_images
 from bondgraph.diagnosis.records import Finding
 from bondgraph.fitting.result import Estimate
@@ -94,6 +94,15 @@ def test_parts_that_share_a_number_change_over_only_with_each_other():
     graph = g.finish()
     assert images(graph, "one") == {"two"}
     assert not images(graph, "own")
+
+
+def test_a_number_that_a_reading_is_made_with_keeps_its_place():
+    g = BondGraph("bridge", domain="electrical")
+    g.zero("node", Sf("source"), R("one"), R("two"))
+    g.measure("scaled", sympy.Symbol("one") * effort("node"), unit="V")
+    for name in ("one", "two"):
+        g.parameter(name, 2.0, "ohm")
+    assert not images(g.finish(), "two")
 
 
 def found(place="left"):

@@ -1,5 +1,6 @@
 """What is not tried because recordings could not show it, and what is told of that."""
 
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,6 +15,7 @@ from bondgraph.diagnosis.search.considered import promising
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.fitting.either_hold import fitted_either_way
 from bondgraph.fitting.estimate import FitSettings
+from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
@@ -105,6 +107,7 @@ def test_what_promises_much_at_one_place_is_fitted_at_others_too():
         law = SimpleNamespace(
             physics="mode", place=place, parameters=numbers, contains=lambda _: False
         )
+        law.is_elsewhere = partial(Hypothesis.is_elsewhere, law)
         return SimpleNamespace(hypothesis=law, reduction=reduction)
 
     motor, carriage = promised("motor", 0.03), promised("carriage", 0.02)

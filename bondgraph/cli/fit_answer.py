@@ -2,14 +2,13 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from bondgraph.fitting.certainty.combinations import listed
 from bondgraph.fitting.certainty.identifiability import (
     IdentifiabilityStatus,
     identifiability,
 )
 from bondgraph.fitting.certainty.profile import Profile
 from bondgraph.fitting.certainty.solver_error import SolverError, SolverErrorStatus
-from bondgraph.fitting.natural_bounds import gone
+from bondgraph.fitting.natural_bounds import gone_words
 from bondgraph.fitting.result import FitResult, Score
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.commands import go_in_steps
@@ -123,14 +122,7 @@ def _pulled(result: FitResult, graph: FinishedGraph) -> Iterator[str]:
 
 def _at_bounds(result: FitResult) -> Iterator[str]:
     """Yield the parameters that ended where the model lets them go no further."""
-    lost = gone(result.model, result.estimates)
-    if lost:
-        verb, them = ("has", "it") if len(lost) == 1 else ("have", "them")
-        yield (
-            f"{listed(lost)} {verb} come down to a thousandth of what is stated and "
-            f"would go below zero: these recordings do not tell {them}, or the model "
-            "has not what the machine has."
-        )
+    yield from gone_words(result.model, result.estimates)
     for one in result.estimates:
         low, high = result.model.parameters[one.name].bounds
         # A loss that has come down to none is an answer.

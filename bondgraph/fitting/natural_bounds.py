@@ -8,6 +8,7 @@ nothing, and no law helps from there. Bounds that the author states come before 
 import math
 from collections.abc import Iterable, Iterator
 
+from bondgraph.fitting.certainty.combinations import listed
 from bondgraph.fitting.result import Estimate
 from bondgraph.structure.elements import Compliance, Inertance, Resistance
 from bondgraph.structure.graph import FinishedGraph
@@ -50,6 +51,19 @@ def gone(graph: FinishedGraph, estimates: Iterable[Estimate]) -> list[str]:
         if one.name in natural and one.start
         if math.isclose(one.value, LEAST * one.start, rel_tol=AT)
     ]
+
+
+def gone_words(graph: FinishedGraph, estimates: Iterable[Estimate]) -> tuple[str, ...]:
+    """Return one sentence on the estimates that have come down so; none if none has."""
+    lost = gone(graph, estimates)
+    if not lost:
+        return ()
+    verb, them = ("has", "it") if len(lost) == 1 else ("have", "them")
+    return (
+        f"{listed(lost)} {verb} come down to a thousandth of what is stated and would "
+        f"go below zero: these recordings give {them} no value, or something that is "
+        "missing takes the place.",
+    )
 
 
 def _natural(graph: FinishedGraph) -> Iterator[str]:

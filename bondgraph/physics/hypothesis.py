@@ -168,6 +168,11 @@ class Hypothesis:
         more = len(self.parameters) > len(narrower.parameters)
         return more or self.physics != narrower.physics
 
+    def is_elsewhere(self, other: "Hypothesis") -> bool:
+        """Return whether this law is the other one, in the same form, elsewhere."""
+        same = self.physics == other.physics and self.place != other.place
+        return same and len(self.parameters) == len(other.parameters)
+
     @property
     def told_by(self) -> tuple[str, ...]:
         """What tells it from others: physics, place, sentence and what is fitted."""

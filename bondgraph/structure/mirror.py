@@ -26,7 +26,7 @@ from bondgraph.structure.nodes import (
     written_laws,
 )
 from bondgraph.structure.parameters import Parameter
-from bondgraph.structure.signals import signals_in
+from bondgraph.structure.signals import parameters_in, signals_in
 
 MOST = 500
 """So many images are looked at: of many equal branches any two change over."""
@@ -82,9 +82,9 @@ def _isomorphisms(graph: FinishedGraph) -> Iterator[dict[str, str]]:
     import networkx  # noqa: PLC0415  (0.2 s, needed where something was found only)
 
     net: Any = networkx.DiGraph()
-    known = _known(graph)
+    known, users = _known(graph), _users(graph)
     for node in graph.nodes:
-        net.add_node(node.name, kind=_kind(graph, node, known))
+        net.add_node(node.name, kind=_kind(graph, node, known, users))
     for bond, domain in zip(graph.bonds, graph.domains, strict=True):
         ports = (_port(graph, bond.tail, bond), _port(graph, bond.head, bond))
         net.add_edge(bond.tail, bond.head, kind=(domain.name, *ports))
@@ -99,27 +99,39 @@ def _same_kind(one: Mapping[str, object], other: Mapping[str, object]) -> bool:
 
 
 def _known(graph: FinishedGraph) -> frozenset[str]:
-    """Return the nodes that are no others': what is read, what reads, what comes in."""
+    """Return the nodes that are no others': what is read, what reads, what comes in.
+
+    And whose numbers a reading is made with.
+    """
     read = {s.place for m in graph.measurements for s in signals_in(m.expression)}
     for place, reader in modulations(graph.nodes):
         read |= {place, reader}
     ends = {end for place in read for end in place.partition(">")[::2]}
+    told = {name for m in graph.measurements for name in parameters_in(m.expression)}
     special = {
         node.name
         for node in graph.nodes
-        if isinstance(node, MultiPort) or (port_count(node) == 1 and not laws_of(node))
+        if isinstance(node, MultiPort)
+        or (port_count(node) == 1 and not laws_of(node))
+        or told & set(parameters_of(node))
     }
     return frozenset(ends | special)
 
 
-def _kind(graph: FinishedGraph, node: Node, known: frozenset[str]) -> object:
+def _users(graph: FinishedGraph) -> Counter[str]:
+    """Return how many nodes use each number."""
+    return Counter(name for node in graph.nodes for name in set(parameters_of(node)))
+
+
+def _kind(
+    graph: FinishedGraph, node: Node, known: frozenset[str], users: Counter[str]
+) -> object:
     """Return what has to be equal of two nodes that may change over."""
     bonds = len(graph.bonds_at(node.name))
     if node.name in known:
         return node.name, bonds
     if isinstance(node, Junction):
         return type(node), bonds
-    users = Counter(name for other in graph.nodes for name in set(parameters_of(other)))
     own = dict.fromkeys(parameters_of(node))
     numbers = {name: sympy.Symbol(f"_{k}") for k, name in enumerate(own)}
     laws = tuple(

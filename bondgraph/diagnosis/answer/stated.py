@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from bondgraph.diagnosis.answer.wording import listed, to_digits_of
 from bondgraph.diagnosis.records import Finding
-from bondgraph.fitting.natural_bounds import AT, gone
+from bondgraph.fitting.natural_bounds import AT, gone_words
 from bondgraph.fitting.result import Estimate
 from bondgraph.structure.elements import Compliance, Inertance, Node, Resistance
 from bondgraph.structure.graph import FinishedGraph
@@ -56,7 +56,7 @@ def at_bounds(graph: FinishedGraph, estimates: Sequence[Estimate]) -> tuple[str,
         if math.isfinite(bound) and bound != 0.0
         if math.isclose(estimate.value, bound, rel_tol=AT)
     ]
-    told = _gone(graph, estimates)
+    told = gone_words(graph, estimates)
     if not ended:
         return told
     return (
@@ -64,18 +64,6 @@ def at_bounds(graph: FinishedGraph, estimates: Sequence[Estimate]) -> tuple[str,
         f"The fit ends at bounds that the model states: {listed(ended, 'and')}. Either "
         "they are too narrow, or these values stand in for something that is missing; "
         "what is said of the rest rests on them.",
-    )
-
-
-def _gone(graph: FinishedGraph, estimates: Sequence[Estimate]) -> tuple[str, ...]:
-    lost = gone(graph, estimates)
-    if not lost:
-        return ()
-    verb, them = ("comes", "it") if len(lost) == 1 else ("come", "them")
-    return (
-        f"{listed(lost, 'and')} {verb} down to a thousandth of what is stated and "
-        f"would go below zero: these recordings give {them} no value, or something "
-        "that is missing takes the place.",
     )
 
 

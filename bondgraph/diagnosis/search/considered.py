@@ -163,15 +163,12 @@ def promising(promised: Sequence[Promised], options: Options) -> list[Promised]:
         for one in promised
         if id(one) not in known
         and any(
-            led.hypothesis.contains(one.hypothesis) or _is_elsewhere(led, one)
+            led.hypothesis.contains(one.hypothesis)
+            or (
+                one.reduction >= NEARLY * led.reduction
+                and one.hypothesis.is_elsewhere(led.hypothesis)
+            )
             for led in best
         )
     )
     return [*leading, *others]
-
-
-def _is_elsewhere(led: Promised, other: Promised) -> bool:
-    """Return whether the other is the same law at another place, nearly as good."""
-    one, two = led.hypothesis, other.hypothesis
-    same = one.physics == two.physics and len(one.parameters) == len(two.parameters)
-    return same and one.place != two.place and other.reduction >= NEARLY * led.reduction

@@ -215,10 +215,7 @@ def _at_other_places(bench: Bench, reached: list[ShortFit]) -> list[ShortFit]:
     behind = [
         one
         for one in reached
-        if one.hypothesis.physics == law.physics
-        and one.hypothesis.place != law.place
-        and len(one.hypothesis.parameters) == len(law.parameters)
-        and one.reduction < enough
+        if one.reduction < enough and one.hypothesis.is_elsewhere(law)
     ]
     trials = [Trial(one.hypothesis, enough=enough) for one in behind]
     again = bench.run(fit_briefly, trials, "the same elsewhere", few=True)
