@@ -159,6 +159,7 @@ CASES = [
     Case("two_tanks", "Leak", "upper", {"leak": 0.1}),
     Case("heaters", "Leak", "block1", {"leak_to_block2_from": 0.01}, 1),
     Case("lamp", "OneWayPassage", "series", {"one_way": 0.6, "opening": 0.1}),
+    Case("dc_drive", "OneWayPassage", "winding", {"one_way": 0.7}),
     Case("two_masses", "Slip", "coupling", {"leak": 0.05}),
     Case("geared_arm", "Slip", "gear", {"slip_resistance": 20.0}),
     Case("dc_drive", "Bypass", "inductance", {"bypass_resistance": 10.0}),

@@ -5,17 +5,29 @@ from collections.abc import Iterator
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import E, Place
+from bondgraph.physics.places.base import E, F, Place
 from bondgraph.physics.places.element import ElementPlace
+from bondgraph.physics.places.junction import OneJunctionPlace
 from bondgraph.structure.domains import ELECTRICAL, HYDRAULIC
-from bondgraph.structure.elements import EffortSource, Resistance, ZeroJunction
+from bondgraph.structure.elements import (
+    EffortSource,
+    Inertance,
+    Resistance,
+    ZeroJunction,
+)
 from bondgraph.structure.signals import e, f, parameter_symbol
+
+SHARES = (0.0, 0.5, 0.95)
+LEAST = 1e-3
+"""The share of what usually flows that passes back where next to nothing does."""
 
 
 class OneWayPassage(AbstractPhysics):
     """A resistance that is larger backwards, without end in a check valve or a diode.
 
-    Ahead nothing may flow below a pressure that opens it, or a forward voltage.
+    Ahead nothing may flow below a pressure that opens it, or a forward voltage. Beside
+    an inertance (a coil, a column of liquid) the flow goes on by itself: there it is an
+    effort that holds back what would return.
     """
 
     word = "one_way_passage"
@@ -25,14 +37,45 @@ class OneWayPassage(AbstractPhysics):
     domains = frozenset({HYDRAULIC, ELECTRICAL})
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for every resistance whose flow its effort sets, for both ways."""
-        if not isinstance(place, ElementPlace) or not self.suits(place):
+        """Yield it for every resistance whose flow its effort sets, for both ways.
+
+        And at every 1-junction with an inertance for the ways its flow goes.
+        """
+        if not self.suits(place):
+            return
+        if isinstance(place, OneJunctionPlace):
+            yield from self._beside_an_inertance(place)
+        if not isinstance(place, ElementPlace):
             return
         law = _flow_law(place)
         if law is None:
             return
         for ahead in (True, False):
             yield self._one_way(place, law, ahead=ahead)
+
+    def _beside_an_inertance(self, place: OneJunctionPlace) -> Iterator[Hypothesis]:
+        """Yield it for each way in which the flow goes; back of it, less does."""
+        if not any(isinstance(node, Inertance) for node in place.neighbours):
+            return
+        low, high = place.scales.range_of(f"{F}({place.name})", place.flow)
+        for way, goes, against in (
+            ("", high > 0.0, sympy.Min(f, 0)),
+            ("back_", low < 0.0, sympy.Max(f, 0)),
+        ):
+            if not goes:
+                continue
+            usual, unit = place.effort / place.flow, place.unit(E, F)
+            ratio = place.constant(f"{way}passage", unit, usual)
+            less = place.strength(f"{way}one_way", "1", SHARES, low=0.0, high=1.0)
+            more = ratio.symbol * less.symbol / (1 + LEAST - less.symbol)
+            law = more * against
+            element = Resistance(place.name_of(f"{way}check"), law=law)
+            words = (
+                f"{place.name} passes less {'ahead' if way else 'back'} than "
+                f"{'back' if way else 'ahead'} by a share (one_way), of 1 nothing"
+            )
+            edit = place.insert(element, ratio, less)
+            yield self.hypothesis(place, edit, law, (less,), words)
 
     def _one_way(
         self, place: ElementPlace, usual: sympy.Expr, *, ahead: bool
