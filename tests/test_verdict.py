@@ -102,10 +102,28 @@ def test_coloured_noise_as_large_as_the_motion_is_not_called_noise(size, verdict
     assert ("not recorded" in statement) == (verdict is Verdict.CANNOT_TELL)
 
 
-def _checked(status, *dependences):
+@pytest.mark.parametrize(
+    ("p_value", "residual", "verdict"),
+    [
+        (0.3, 0.05, Verdict.ADEQUATE),
+        (0.04, 0.05, Verdict.CANNOT_TELL),
+        (0.04, 0.012, Verdict.ADEQUATE),
+    ],
+)
+def test_what_noise_makes_only_now_and_then_is_not_called_noise(
+    p_value, residual, verdict
+):
+    checked = _checked(AdequacyStatus.COLOURED, p_value=p_value)
+    base = _leaving(residual)
+    answer, statement = verdict_of([], base, {"x": 0.01}, Round(None), 1.0, checked)
+    assert answer is verdict
+    assert ("4 of 100 recordings only" in statement) == (verdict is Verdict.CANNOT_TELL)
+
+
+def _checked(status, *dependences, p_value=0.4):
     return Adequacy(
         status=status,
-        p_value=0.01,
+        p_value=p_value,
         level=0.01,
         draws=100,
         outputs=(),

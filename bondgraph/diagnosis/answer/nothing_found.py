@@ -31,6 +31,9 @@ HARDLY = 0.15
 something slow by chance, of what machines outside the library leave 29 % and more.
 """
 
+DOUBTFUL = 0.05
+"""Where noise would follow the machine no less so seldom, it may not be noise."""
+
 MANY = 1000
 """Beyond it, how many times the noise says more of the noise than of the model."""
 
@@ -117,7 +120,7 @@ def _as_noise(
     checked: Adequacy | None,
 ) -> tuple[Verdict, str] | None:
     """Return what to say of a residual that is noise, or too large for what it is."""
-    slow = _large_and_slow(base, floor, checked)
+    slow = _large_and_slow(base, floor, checked) or _hardly_noise(base, floor, checked)
     if slow is not None:
         return Verdict.CANNOT_TELL, slow
     if checked is not None and checked.status in NOTHING:
@@ -160,6 +163,25 @@ def _large_and_slow(
         f"and {_times(ratio)} its noise, yet it follows nothing that the "
         "machine is seen to do: an input that was not recorded, or physics with a "
         "memory that these channels do not show."
+    )
+
+
+def _hardly_noise(
+    base: FittedModel, floor: Mapping[str, float], checked: Adequacy | None
+) -> str | None:
+    """Return what to say of a coloured residual that noise makes only now and then."""
+    if checked is None or checked.status is not AdequacyStatus.COLOURED:
+        return None
+    ratios = residual_over_noise(base, floor)
+    worst = max(ratios, key=lambda name: ratios[name], default=None)
+    seldom = checked.p_value <= DOUBTFUL
+    if worst is None or not seldom or not ratios[worst] > ADEQUATE_RATIO:
+        return None
+    return (
+        f"The residual of {worst} is {_times(ratios[worst])} the white part of its "
+        f"noise, and coloured noise would follow the machine no less in "
+        f"{100 * checked.p_value:.0f} of 100 recordings only: it may be that, an input "
+        "that was not recorded, or something that changes with time."
     )
 
 
