@@ -47,6 +47,21 @@ def test_an_unstable_machine_is_cut_into_windows_that_hold(stiffness, horizon):
     assert search_settings(graph, [recording], FitSettings()).horizon == horizon
 
 
+@pytest.mark.parametrize(
+    ("runs", "samples", "window"), [(6, 120, 120), (5, 120, 25), (6, 400, 100)]
+)
+def test_many_short_runs_are_windows_as_they_are(runs, samples, window):
+    graph = collar(0.0)
+    time, zeros = 5e-4 * np.arange(samples), np.zeros(samples)
+    channels = {"force": (zeros, "N"), "gap": (zeros, "m")}
+    recordings = [
+        bind_to(graph, Recording.from_arrays(f"run {i}", time, channels))
+        for i in range(runs)
+    ]
+    chosen = search_settings(graph, recordings, FitSettings()).horizon
+    assert chosen == Windows(window)
+
+
 def test_what_has_no_state_has_nothing_that_grows():
     g = BondGraph("damper", domain="translation")
     g.one("rod", Sf("speed"), R("loss"))

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bondgraph.diagnosis.evidence.left_out import MOST_CHUNKS
+from bondgraph.diagnosis.evidence.left_out import LEAST_CHUNKS, MOST_CHUNKS
 from bondgraph.diagnosis.search.base.short_runs import keeps_what_windows_show
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.fitting.automatic import remembered
@@ -33,9 +33,13 @@ from bondgraph.fitting.levenberg_marquardt import minimise
 from bondgraph.fitting.long_runs import simulate_whole
 from bondgraph.fitting.settling import settle
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.windows import windows
 from bondgraph.structure.graph import FinishedGraph
 
 SETTLE_ITERATIONS, ITERATIONS = 25, 60
+SHORT_RUN = 8 * SHORTEST
+"""Samples of a run that need not be cut where there are enough of them."""
+
 SAME = 1.02
 """Errors within this factor are the same."""
 
@@ -47,18 +51,26 @@ def search_settings(
 
     A plant on which errors accumulate is cut into as many windows as there are chunks:
     long enough that what is missing stands out of the noise, and independent, so that
-    drift within one window says nothing about another. An unstable plant is cut into
-    more, over which a fit can hold on to it.
+    drift within one window says nothing about another. Many short runs, such as steps
+    from rest, are windows as they are. An unstable plant is cut into more, over which a
+    fit can hold on to it.
     """
     if not isinstance(settings.horizon, Automatic):
         return settings
     model = prepare(graph)
     horizon: Horizon = WholeRecordings()
     if accumulates(graph, model, recordings, settings):
-        samples = sum(len(recording) for recording in recordings) // MOST_CHUNKS
-        samples = max(samples, SHORTEST)
+        samples = max(_window(recordings), SHORTEST)
         horizon = Windows(remembered(graph, model, recordings, settings, samples))
     return replace(settings, horizon=horizon)
+
+
+def _window(recordings: Sequence[BoundRecording]) -> int:
+    """Return the samples of as many windows as there are chunks, or of short runs."""
+    stretches = [len(window) for run in recordings for window in windows(run)]
+    if len(stretches) >= LEAST_CHUNKS and max(stretches) <= SHORT_RUN:
+        return max(stretches)
+    return sum(len(recording) for recording in recordings) // MOST_CHUNKS
 
 
 def sharpened(
