@@ -258,8 +258,8 @@ def test_a_damper_with_memory_is_not_called_coulomb():
         read_for(graph, RECORDINGS / f"damper/sine_{speed}Hz_tension35lb.csv")
         for speed in ("0p5", "1")
     )
-    # A quarter of the samples is still more than the motion needs.
-    training, held_out = (run.rows(range(0, len(run), 4)) for run in runs)
+    # A tenth of the samples is still more than the motion needs.
+    training, held_out = (run.rows(range(0, len(run), 10)) for run in runs)
     # The first law is in question; a second shows that none of them is dry friction.
     options = Options(most_findings=2)
     diagnosis = diagnose(graph, [training], held_out=[held_out], options=options)

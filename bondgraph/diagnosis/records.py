@@ -81,6 +81,9 @@ class Finding:
         That it is this physics, here or at a place that is not told from it: the share
         of resamples of the left-out chunks in which it predicts best, less the doubt
         that no resampling sees (0.85 at most); None where it was not judged.
+    in_proportion
+        Those of its numbers that are known only in proportion to the model's own
+        parameters, of which the recordings leave a scale open.
     domain
         The name of the domain there, whose words tell it.
     """
@@ -93,6 +96,7 @@ class Finding:
     indistinguishable_places: tuple[str, ...] = ()
     alternatives: tuple[Evidence, ...] = ()
     estimates: tuple[Estimate, ...] = ()
+    in_proportion: tuple[str, ...] = ()
     probability: float | None = None
     domain: str = ""
 

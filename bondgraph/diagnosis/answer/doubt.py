@@ -81,4 +81,5 @@ def _less_probable(finding: Finding, share: float) -> Finding:
 def is_hollow(finding: Finding) -> bool:
     """Return whether nothing tells a single number of a law with a name from none."""
     numbers = [(one.name, one.value, one.std) for one in finding.estimates]
-    return finding.physics != CURVE and none_told(numbers)
+    named = finding.physics != CURVE
+    return named and not finding.in_proportion and none_told(numbers)

@@ -1,6 +1,6 @@
 """Findings, with what speaks for each and what cannot be told from it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from bondgraph.diagnosis.answer.evidence_shown import hardly_supported, shown
@@ -10,6 +10,7 @@ from bondgraph.diagnosis.evidence.confidence import beyond_resampling
 from bondgraph.diagnosis.evidence.decision import alternatives_to
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE
 from bondgraph.diagnosis.evidence.judged import Judged
+from bondgraph.diagnosis.evidence.numbers import none_told
 from bondgraph.diagnosis.records import Finding, Support
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.revising.curve_beside import BetterCurve, better_curve
@@ -28,6 +29,7 @@ def findings_of(
     held_out: Sequence[BoundRecording],
     options: Options,
     left: float,
+    proportion: Mapping[str, float],
 ) -> tuple[list[Finding], dict[str, Sequence[Judged]]]:
     """Return the findings, and for each element what the data do not tell from it.
 
@@ -35,6 +37,8 @@ def findings_of(
     ----------
     left
         The share of the squared error that they leave beyond noise.
+    proportion
+        The errors of what is known only in proportion to the model's own parameters.
     """
     made, better = accepted(rounds), better_curve(rounds, options.rule)
     findings: list[Finding] = []
@@ -51,7 +55,7 @@ def findings_of(
             if (j.physics, j.place) not in elsewhere
         ]
         near = better if better and better.curve.place == chosen.place else None
-        finding = _finding(chosen, close, after)
+        finding = _finding(chosen, close, after, proportion)
         findings.append(
             replace(
                 finding,
@@ -71,22 +75,33 @@ def findings_of(
     return findings, others
 
 
-def _finding(chosen: Judged, close: Sequence[Judged], after: FitResult) -> Finding:
+def _finding(
+    chosen: Judged,
+    close: Sequence[Judged],
+    after: FitResult,
+    proportion: Mapping[str, float],
+) -> Finding:
     """Return what was found, where it is and how large."""
     hypothesis = chosen.candidate.hypothesis
     same = [j.place for j in close if j.physics == chosen.physics]
     elsewhere = (p for p in (*same, *hypothesis.also) if p != chosen.place)
     places = tuple(dict.fromkeys(elsewhere))
     estimates = tuple(e for e in after.estimates if e.name in hypothesis.parameters)
+    scaled = tuple(
+        e.name
+        for e in estimates
+        if not none_told([(e.name, e.value, proportion.get(e.name))])
+    )
     return Finding(
         physics=chosen.physics,
         place=chosen.place,
         element=hypothesis.element,
-        statement=finding_statement(chosen, places, close, estimates),
+        statement=finding_statement(chosen, places, close, estimates, scaled),
         law=str(hypothesis.law),
         indistinguishable_places=places,
         alternatives=(),
         estimates=estimates,
+        in_proportion=scaled,
         probability=None,
         domain=chosen.domain,
     )

@@ -22,6 +22,7 @@ from bondgraph.diagnosis.answer.wording import next_experiment
 from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.evidence.leftover import noise_floor
+from bondgraph.diagnosis.evidence.proportion import known_in_proportion
 from bondgraph.diagnosis.records import Comparison, Diagnosis
 from bondgraph.diagnosis.search.base.horizons import refitted
 from bondgraph.diagnosis.search.options import Options
@@ -69,7 +70,8 @@ def answer(
     shown = _comparison(base, final, held_out)
     floor = noise_floor(recordings)
     left = max(remaining(rounds, floor), left_of_whole(trained, floor))
-    told, others = findings_of(rounds, after, held_out, options, left)
+    proportion = known_in_proportion(final, base)
+    told, others = findings_of(rounds, after, held_out, options, left, proportion)
     stretches = _over_stretches(base, final, held_out, shown)
     carried = carries_over(shown, trained, stretches)
     told = with_images(told, base.graph, after.estimates)

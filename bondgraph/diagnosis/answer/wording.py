@@ -26,9 +26,14 @@ LONG = 6
 """Numbers with more digits before the point are told with a power of ten."""
 
 
-def value_with_error(estimate: Estimate) -> str:
+PROPORTION = "known in proportion to the model's own numbers only"
+
+
+def value_with_error(estimate: Estimate, in_proportion: Sequence[str] = ()) -> str:
     """Return ``value ± std unit`` with as many digits as the error allows."""
     unit = "" if estimate.unit == "1" else f" {plain_unit(estimate.unit)}"
+    if estimate.name in in_proportion:
+        return f"{estimate.value:.4g}{unit}, {PROPORTION}"
     if estimate.std is None:
         return f"{estimate.value:.4g}{unit} (not determined by these recordings)"
     return f"{to_digits_of(estimate.value, estimate.std)}{unit}"
@@ -52,11 +57,13 @@ def finding_statement(
     places: Sequence[str],
     others: Sequence[Judged],
     estimates: Sequence[Estimate],
+    in_proportion: Sequence[str] = (),
 ) -> str:
     """Return what was left out, where, how much, and what it may be instead."""
     hypothesis = chosen.candidate.told
     numbers = ", ".join(
-        f"{estimate.name} = {value_with_error(estimate)}" for estimate in estimates
+        f"{estimate.name} = {value_with_error(estimate, in_proportion)}"
+        for estimate in estimates
     )
     if chosen.physics == "unknown_relation":
         opening = (

@@ -1,0 +1,98 @@
+"""A law may be sure while its size is open, where the model leaves a scale open."""
+
+import numpy as np
+import pytest
+import sympy
+
+from bondgraph import GY, BondGraph, FitSettings, I, R, Recording, Se, bind_to, f
+from bondgraph.diagnosis.diagnose import Options, diagnose
+from bondgraph.diagnosis.evidence.proportion import known_in_proportion
+from bondgraph.diagnosis.records import Verdict
+from bondgraph.fitting.estimate import fit_model
+from bondgraph.simulation.solvers import Hold
+from bondgraph.structure.signals import parameter_symbol
+
+TIME = 0.01 * np.arange(600)
+HELD = FitSettings(hold=Hold.ZERO)
+RESISTANCE, CONSTANT, INERTIA, BEARING, DRY = 2.0, 0.05, 1.2e-4, 1e-4, 0.02
+
+
+def speed(voltage):
+    """Return the speed of a motor with dry friction, which stops where it may."""
+    fine, w = 1e-3, 0.0
+    found = np.empty(TIME.size)
+    for k, u in enumerate(voltage):
+        found[k] = w
+        for _ in range(10):
+            torque = CONSTANT * (u - CONSTANT * w) / RESISTANCE - BEARING * w
+            moved, rub = w + fine * torque / INERTIA, fine * DRY / INERTIA
+            w = 0.0 if abs(moved) <= rub else moved - np.sign(moved) * rub
+    return found
+
+
+def motor(*more, exact=False):
+    graph = BondGraph("motor", domain="rotation")
+    graph.one("winding", Se("voltage"), R("resistance"), domain="electrical")
+    graph.one("shaft", I("inertia"), R("bearing"), *more)
+    graph.join("winding", GY("constant"), "shaft")
+    graph.measure("speed", flow="shaft")
+    known = {"std": 0.0} if exact else {}
+    graph.parameter("resistance", RESISTANCE, "ohm", **known)
+    graph.parameter("constant", CONSTANT, "N*m/A", **known)
+    graph.parameter("inertia", 1e-4, "kg*m^2", bounds=(1e-7, 1))
+    graph.parameter("bearing", 1.2e-4, "N*m*s/rad", bounds=(0, 1))
+    for one in more:
+        unit = "N*m" if one.law is not None else "N*m*s/rad"
+        graph.parameter(one.name, 1e-5, unit, bounds=(0, 1))
+    return graph.finish()
+
+
+def runs(graph):
+    made = []
+    for seed in (1, 2):
+        random = np.random.default_rng(seed)
+        voltage = np.repeat(random.uniform(-12, 12, 15), 40)
+        read = speed(voltage) + 0.3 * random.standard_normal(TIME.size)
+        channels = {"voltage": (voltage, "V"), "speed": (read, "rad/s")}
+        made.append(bind_to(graph, Recording.from_arrays(f"{seed}", TIME, channels)))
+    return made
+
+
+def proportion(more, *, exact=False):
+    base, graph = motor(exact=exact), motor(more, exact=exact)
+    models = (fit_model(one, runs(one), HELD) for one in (graph, base))
+    return known_in_proportion(*models)
+
+
+def rubs(name):
+    return R(name, law=parameter_symbol(name) * sympy.tanh(10 * f))
+
+
+def test_a_number_is_known_in_proportion_where_the_model_leaves_a_scale_open():
+    found = proportion(rubs("dry"))
+    assert found.keys() == {"resistance", "constant", "inertia", "bearing", "dry"}
+    assert 0.0 < found["dry"] < 0.1 * DRY
+
+
+def test_nothing_is_where_the_model_leaves_none_open():
+    assert proportion(rubs("dry"), exact=True) == {}
+
+
+@pytest.mark.parametrize("exact", [False, True])
+def test_nothing_is_where_only_a_sum_shows(exact):
+    assert proportion(R("second"), exact=exact) == {}
+
+
+def test_dry_friction_is_sure_where_no_torque_is_known():
+    words = ("coulomb_friction", "spring", "lag", "quadratic_drag")
+    library = tuple(p for p in Options().library if p.word in words)
+    graph = motor()
+    training, held_out = runs(graph)
+    options = Options(library=library, settings=HELD)
+    answer = diagnose(graph, [training], held_out=[held_out], options=options)
+    assert answer.verdict is Verdict.PHYSICS_MISSING, answer.statement
+    (finding,) = answer.findings
+    assert (finding.physics, finding.place) == ("coulomb_friction", "shaft")
+    assert finding.in_proportion == ("coulomb_shaft",)
+    assert "in proportion to the model's own numbers only" in finding.statement
+    assert finding.probability > 0.7
