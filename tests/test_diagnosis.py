@@ -243,7 +243,7 @@ def test_probing_adds_no_equation():
 def test_silverbox_hardens():
     graph = load_model(str(ROOT / "examples/recordings/silverbox.py"))
     recording = read_for(graph, RECORDINGS / "silverbox/multisine_1_to_9.csv")
-    training, held_out = recording.part(0, 2048), recording.part(6 * 8192, 7 * 8192)
+    training, held_out = recording.part(0, 1024), recording.part(6 * 8192, 7 * 8192)
     diagnosis = diagnose(graph, [training], held_out=[held_out])
     (finding,) = diagnosis.findings
     assert (finding.physics, finding.place) == ("hardening_spring", "mass")
