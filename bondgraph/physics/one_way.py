@@ -18,6 +18,8 @@ from bondgraph.structure.elements import (
 from bondgraph.structure.signals import e, f, parameter_symbol
 
 SHARES = (0.0, 0.5, 0.95)
+"""From none to nearly all of what would flow back: what fits begin with."""
+
 LEAST = 1e-3
 """The share of what usually flows that passes back where next to nothing does."""
 
@@ -67,12 +69,11 @@ class OneWayPassage(AbstractPhysics):
             usual, unit = place.effort / place.flow, place.unit(E, F)
             ratio = place.constant(f"{way}passage", unit, usual)
             less = place.strength(f"{way}one_way", "1", SHARES, low=0.0, high=1.0)
-            more = ratio.symbol * less.symbol / (1 + LEAST - less.symbol)
-            law = more * against
+            law = against * ratio.symbol * less.symbol / (1 + LEAST - less.symbol)
             element = Resistance(place.name_of(f"{way}check"), law=law)
             words = (
                 f"{place.name} passes less {'ahead' if way else 'back'} than "
-                f"{'back' if way else 'ahead'} by a share (one_way), of 1 nothing"
+                f"{'back' if way else 'ahead'} by a share (one_way), and nothing at 1"
             )
             edit = place.insert(element, ratio, less)
             yield self.hypothesis(place, edit, law, (less,), words)

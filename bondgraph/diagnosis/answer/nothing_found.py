@@ -120,9 +120,10 @@ def _as_noise(
     checked: Adequacy | None,
 ) -> tuple[Verdict, str] | None:
     """Return what to say of a residual that is noise, or too large for what it is."""
-    slow = _large_and_slow(base, floor, checked) or _hardly_noise(base, floor, checked)
-    if slow is not None:
-        return Verdict.CANNOT_TELL, slow
+    if checked is not None and checked.status is AdequacyStatus.COLOURED:
+        doubt = _large_and_slow(base, floor) or _seldom(base, floor, checked.p_value)
+        if doubt is not None:
+            return Verdict.CANNOT_TELL, doubt
     if checked is not None and checked.status in NOTHING:
         chance = f"{100 * checked.p_value:.0f} of 100 recordings"
         return Verdict.ADEQUATE, (
@@ -147,12 +148,8 @@ def _followed(checked: Adequacy | None) -> str | None:
     return f"{most.variable} at {most.place} ({100 * most.share:.2g} % of it)"
 
 
-def _large_and_slow(
-    base: FittedModel, floor: Mapping[str, float], checked: Adequacy | None
-) -> str | None:
+def _large_and_slow(base: FittedModel, floor: Mapping[str, float]) -> str | None:
     """Return what to say of a residual too large for noise that follows nothing."""
-    if checked is None or checked.status is not AdequacyStatus.COLOURED:
-        return None
     worst = too_large(base, floor)
     if worst is None:
         return None
@@ -166,21 +163,17 @@ def _large_and_slow(
     )
 
 
-def _hardly_noise(
-    base: FittedModel, floor: Mapping[str, float], checked: Adequacy | None
+def _seldom(
+    base: FittedModel, floor: Mapping[str, float], p_value: float
 ) -> str | None:
-    """Return what to say of a coloured residual that noise makes only now and then."""
-    if checked is None or checked.status is not AdequacyStatus.COLOURED:
-        return None
-    ratios = residual_over_noise(base, floor)
-    worst = max(ratios, key=lambda name: ratios[name], default=None)
-    seldom = checked.p_value <= DOUBTFUL
-    if worst is None or not seldom or not ratios[worst] > ADEQUATE_RATIO:
+    """Return what to say of a residual such as coloured noise makes now and then."""
+    worst = too_large(base, floor, share=0.0)
+    if worst is None or p_value > DOUBTFUL:
         return None
     return (
-        f"The residual of {worst} is {_times(ratios[worst])} the white part of its "
-        f"noise, and coloured noise would follow the machine no less in "
-        f"{100 * checked.p_value:.0f} of 100 recordings only: it may be that, an input "
+        f"The residual of {worst} is {_times(residual_over_noise(base, floor)[worst])} "
+        "the white part of its noise, and coloured noise would follow the machine no "
+        f"less in {100 * p_value:.0f} of 100 recordings only: it may be that, an input "
         "that was not recorded, or something that changes with time."
     )
 

@@ -25,7 +25,6 @@ DIGITS = 1e-15
 LONG = 6
 """Numbers with more digits before the point are told with a power of ten."""
 
-
 PROPORTION = "known in proportion to the model's own numbers only"
 
 

@@ -29,13 +29,14 @@ def known_in_proportion(final: FittedModel, base: FittedModel) -> dict[str, floa
     names = final.problem.free_names
     if not set(names) >= set(base.problem.free_names):
         return {}
-    open_before = uncertainty(base.problem, base.optimum).null
     known = uncertainty(final.problem, final.optimum)
+    if not len(known.null):
+        return {}
     own = [names.index(name) for name in base.problem.free_names]
     shared = known.null[:, own]
-    if not len(shared) or np.linalg.matrix_rank(shared, tol=BEYOND) < len(shared):
+    if np.linalg.matrix_rank(shared, tol=BEYOND) < len(shared):
         return {}
-    scales, _ = np.linalg.qr(open_before.T)
+    scales, _ = np.linalg.qr(uncertainty(base.problem, base.optimum).null.T)
     if np.abs(shared - shared @ scales @ scales.T).max() > BEYOND:
         return {}
     errors = np.sqrt(np.diag(known.covariance))
