@@ -18,7 +18,8 @@ from bondgraph.diagnosis.evidence.leftover import excusable
 from bondgraph.diagnosis.records import Diagnosis
 from bondgraph.diagnosis.search.base.beginnings import base_fit
 from bondgraph.diagnosis.search.base.horizons import search_settings
-from bondgraph.diagnosis.search.looks import look, second_look
+from bondgraph.diagnosis.search.looks import second_look
+from bondgraph.diagnosis.search.nearer_look import first_look
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.unchanging import refuse_unchanging
 from bondgraph.diagnosis.work.clock import Progress
@@ -82,7 +83,7 @@ def diagnose(
     noise = excusable(recordings)
     base = base_fit(graph, recordings, settings, noise, chosen)
     with workshop(chosen.where, Journal(chosen.resume), progress, limit) as shop:
-        first = look(base, recordings, noise, chosen, shop)
+        first = first_look(graph, base, recordings, noise, chosen, shop)
         seen = second_look(graph, first, recordings, noise, chosen, shop)
     progress("simulating the held-out recordings")
     found = answer(graph, recordings, held_out, seen.rounds, seen.final, chosen)

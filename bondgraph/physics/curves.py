@@ -17,6 +17,9 @@ from bondgraph.physics.smooth import Smooth, smooth_curve
 TURNING = (-1.0, -0.3, -0.03, 0.03, 0.3, 1.0)
 """Knots of a law of flow, in typical flows: close about zero, where friction turns."""
 
+BOTH_WAYS = ", the same both ways"
+"""What is said of a curve that is odd."""
+
 EVEN = 6
 """Knots of any other law of one variable."""
 

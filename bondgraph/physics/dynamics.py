@@ -19,6 +19,9 @@ from bondgraph.structure.signals import displacement
 
 STAGES = " of two equal stages"
 
+MOST = 0.5
+"""Of the longest recording: what comes later than that is in none of them."""
+
 
 class Lag(AbstractPhysics):
     """A signal that follows with a time constant, once or in two equal stages."""
@@ -61,8 +64,8 @@ class Delay(AbstractPhysics):
             return
         if not place.is_driven:
             return
-        low = 0.05 * place.scales.step
-        time = place.shape("delay", "s", _times(place), low=low)
+        low, high = 0.05 * place.scales.step, MOST * place.scales.stretch
+        time = place.shape("delay", "s", _times(place), low=low, high=high)
         name = place.name_of("delayed")
         states, law = delaying(name, place.signal, time.symbol)
         words = f"{place.name} {_verb(place)} late by a fixed time"

@@ -9,13 +9,8 @@ from bondgraph.physics.places.base import E, F, Place
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import OneJunctionPlace
 from bondgraph.structure.domains import ELECTRICAL, HYDRAULIC
-from bondgraph.structure.elements import (
-    EffortSource,
-    Inertance,
-    Resistance,
-    ZeroJunction,
-)
-from bondgraph.structure.signals import e, f, parameter_symbol
+from bondgraph.structure.elements import Inertance, Resistance
+from bondgraph.structure.signals import e, f
 
 SHARES = (0.0, 0.5, 0.95)
 """From none to nearly all of what would flow back: what fits begin with."""
@@ -49,7 +44,7 @@ class OneWayPassage(AbstractPhysics):
             yield from self._beside_an_inertance(place)
         if not isinstance(place, ElementPlace):
             return
-        law = _flow_law(place)
+        law = place.flow_law
         if law is None:
             return
         for ahead in (True, False):
@@ -99,20 +94,3 @@ class OneWayPassage(AbstractPhysics):
         edit = place.replace(law, less, crack)
         own = (less, crack)
         return self.hypothesis(place, edit, law, own, words, also=place.junctions)
-
-
-def _flow_law(place: ElementPlace) -> sympy.Expr | None:
-    """Return the flow as a law of the effort; None where the effort follows a flow."""
-    (junction, *others) = place.junctions
-    if others or not isinstance(place.element, Resistance):
-        return None
-    ends = place.graph.bonds_at(junction)
-    near = (place.graph.node(bond.other(junction)) for bond in ends)
-    sets = ZeroJunction | EffortSource
-    given = all(isinstance(node, sets) for node in near if node.name != place.name)
-    if not place.is_one_junction(junction) or not given:
-        return None
-    law = place.element.law
-    if law is None:
-        return e / parameter_symbol(place.name)
-    return law if e in law.free_symbols and f not in law.free_symbols else None

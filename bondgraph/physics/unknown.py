@@ -12,7 +12,7 @@ from functools import partial
 import sympy
 
 from bondgraph.physics.bends import Knots
-from bondgraph.physics.curves import ALONG, drawn, even, turning
+from bondgraph.physics.curves import ALONG, BOTH_WAYS, drawn, even, turning
 from bondgraph.physics.dry_friction import direction
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Shape
 from bondgraph.physics.places.base import MECHANICAL, Coefficient, E, F, Place, Q
@@ -24,12 +24,10 @@ from bondgraph.physics.places.junction import (
 )
 from bondgraph.physics.position import restoring
 from bondgraph.physics.smooth import Smooth
-from bondgraph.physics.unknown_elements import forms_of_element
+from bondgraph.physics.unknown_elements import forms_of_element, passes
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.elements import OnePort, Resistance
 from bondgraph.structure.signals import e, effort, f, flow, q
-
-BOTH_WAYS = ", the same both ways"
 
 
 @dataclass(frozen=True)
@@ -64,7 +62,8 @@ class UnknownRelation(AbstractPhysics):
         In the same order however smooth they are.
         """
         if isinstance(place, OneJunctionPlace):
-            yield partial(self._curve, place, f, F)
+            if not passes(place):
+                yield partial(self._curve, place, f, F)
             if place.displacement_known:
                 yield partial(self._curve, place, q, Q)
                 if place.domain in MECHANICAL:

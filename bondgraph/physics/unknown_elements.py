@@ -1,7 +1,7 @@
 """Free curves in the own law of an element.
 
-A ratio on the way, what a store holds, and a resistance that something elsewhere
-steers: a film that a fan cools, a damper with a coil.
+A ratio on the way, what a store holds, what a resistance between two stores lets pass,
+and one that something elsewhere steers: a film that a fan cools, a damper with a coil.
 """
 
 from collections.abc import Callable, Iterator
@@ -10,7 +10,7 @@ from functools import partial
 
 import sympy
 
-from bondgraph.physics.curves import drawn, even
+from bondgraph.physics.curves import BOTH_WAYS, drawn, even, turning
 from bondgraph.physics.hypothesis import Hypothesis, Shape
 from bondgraph.physics.places.base import (
     ELECTRIC,
@@ -23,7 +23,11 @@ from bondgraph.physics.places.base import (
 )
 from bondgraph.physics.places.channels import ChannelPlace, InputPlace, OutputPlace
 from bondgraph.physics.places.element import ElementPlace
-from bondgraph.physics.places.junction import JunctionPlace, junction_place
+from bondgraph.physics.places.junction import (
+    JunctionPlace,
+    OneJunctionPlace,
+    junction_place,
+)
 from bondgraph.physics.smooth import Smooth
 from bondgraph.structure.elements import (
     Compliance,
@@ -37,6 +41,8 @@ from bondgraph.structure.graph import used_parameters
 from bondgraph.structure.signals import (
     Signal,
     displacement,
+    e,
+    effort,
     momentum,
     p,
     parameter_symbol,
@@ -70,8 +76,54 @@ def forms_of_element(
         ):  # At a 1-junction it is the curve of the displacement there.
             yield partial(_store, make, place, smooth)
         case Resistance():
+            if place.flow_law is not None:
+                yield partial(_passed, make, place, place.flow_law, smooth)
             for channel in _elsewhere(place):
                 yield partial(_steered, make, place, channel, smooth)
+
+
+def passes(place: OneJunctionPlace) -> bool:
+    """Return whether an R there lets a flow pass that the efforts at its ends set.
+
+    Its curve is one of the effort then: of what is added to its effort as a curve of
+    the flow, a part may fall, and the flow be any of several.
+    """
+    parts = (
+        ElementPlace(place.graph, node.name, place.scales)
+        for node in place.neighbours
+        if isinstance(node, Resistance)
+    )
+    return any(part.flow_law is not None for part in parts)
+
+
+def _passed(
+    make: Make, place: ElementPlace, usual: sympy.Expr, smooth: Smooth | None
+) -> Hypothesis:
+    """Let a resistance pass a flow that is a free curve of the effort, beside its own.
+
+    Parameters
+    ----------
+    usual
+        The flow that it passes by its own law, of e.
+    """
+    size, (bond,) = place.effort, place.graph.bonds_at(place.name)
+    knots = turning(place.scales.range_of(f"{E}({bond.name})", size), size)
+    odd = smooth is not None and smooth.is_odd_over(knots)
+    width = place.constant("curve_effort", place.unit(E), size)
+    x = e / width.symbol
+    curve, heights = drawn(place, "curve", place.unit(F), x, knots, smooth, odd=odd)
+    law = usual + curve
+    words = (
+        f"{place.name} lets {place.a(F)} pass that is an unnamed function of "
+        f"{place.domain.word(E)}{BOTH_WAYS if odd else ''}"
+    )
+    edit = place.replace(law, *heights, width)
+    found = make(place, edit, law, heights, words, also=place.junctions)
+    own = effort(place.name)
+    given = (own, place.domain.word(E), place.unit(E))
+    called = place.domain.word(F)
+    shape = Shape(*given, law.subs(e, own), called, place.unit(F))
+    return replace(found, shape=shape)
 
 
 def _elsewhere(place: ElementPlace) -> Iterator[ChannelPlace]:

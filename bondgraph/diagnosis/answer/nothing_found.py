@@ -92,7 +92,7 @@ def without_findings(
             "that no law tried here describes, or noise that a closed loop feeds back."
         )
     return Verdict.ADEQUATE, (
-        "Nothing is missing that these recordings could show: "
+        "As far as these recordings could show, "
         f"{_residual_words(worst)}{_tried_words(first.tried)}."
     )
 

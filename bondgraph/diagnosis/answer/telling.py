@@ -25,6 +25,7 @@ from bondgraph.diagnosis.evidence.leftover import noise_floor
 from bondgraph.diagnosis.evidence.proportion import known_in_proportion
 from bondgraph.diagnosis.records import Comparison, Diagnosis
 from bondgraph.diagnosis.search.base.horizons import refitted
+from bondgraph.diagnosis.search.base.stretches import stretch
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.remaining import remaining
 from bondgraph.diagnosis.search.round_found import Round, accepted
@@ -69,7 +70,8 @@ def answer(
     trained = _comparison(base, final, recordings)
     shown = _comparison(base, final, held_out)
     floor = noise_floor(recordings)
-    left = max(remaining(rounds, floor), left_of_whole(trained, floor))
+    long = _over_long(base, final, recordings, trained)
+    left = max(remaining(rounds, floor), left_of_whole(long, floor))
     proportion = known_in_proportion(final, base)
     told, others = findings_of(rounds, after, held_out, options, left, proportion)
     stretches = _over_stretches(base, final, held_out, shown)
@@ -122,7 +124,7 @@ def answer(
 
 
 def left_of_whole(trained: Comparison, floor: Mapping[str, float]) -> float:
-    """Return the share of squared error that whole training recordings keep, if most.
+    """Return the share of squared error that long training recordings keep, if most.
 
     What explains windows, each from a state of its own, and hardly a recording is not
     the cause. What noise leaves of a recording, as it does of one with a weak effect,
@@ -187,8 +189,34 @@ def _over_stretches(
     samples = min(max(np.diff(one.edges)) for one in shots)
     if not base.problem.model.n_states or samples >= max(map(len, held_out), default=0):
         return None
+    return _stretched(base, final, held_out, int(samples))
+
+
+def _over_long(
+    base: FittedModel,
+    final: FittedModel,
+    recordings: Sequence[BoundRecording],
+    trained: Comparison,
+) -> Comparison:
+    """Return the errors over training recordings, or over what tells of these.
+
+    A machine that drifts off over a whole recording, whatever it is made of, is
+    compared over stretches of several windows.
+    """
+    if trained.after.nrmse < BETTER * trained.before.nrmse:
+        return trained
+    samples = stretch(base, recordings)
+    return trained if samples is None else _stretched(base, final, recordings, samples)
+
+
+def _stretched(
+    base: FittedModel,
+    final: FittedModel,
+    recordings: Sequence[BoundRecording],
+    samples: int,
+) -> Comparison:
     before, after = (
-        simulate_stretches(one, held_out, int(samples)).score for one in (base, final)
+        simulate_stretches(one, recordings, samples).score for one in (base, final)
     )
     return Comparison(before=before, after=after)
 

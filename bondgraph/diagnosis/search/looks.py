@@ -78,6 +78,8 @@ def look(
     noise: Array,
     options: Options,
     shop: Workshop,
+    *,
+    another: bool = False,
 ) -> Look:
     """Return what a search finds from a fitted model, and the model refitted at last.
 
@@ -85,8 +87,10 @@ def look(
     ----------
     noise
         Residual per output that noise excuses, 0 where it is not known.
+    another
+        Whether it is to end where no one law explains anything, for another look.
     """
-    rounds = search(base, recordings, noise, options, shop)
+    rounds = search(base, recordings, noise, options, shop, another=another)
     if rounds[-1].base is base:
         return Look(rounds, base)
     shop.progress("refitting the improved model")

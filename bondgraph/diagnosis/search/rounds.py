@@ -56,6 +56,8 @@ def search(
     noise: Array,
     options: Options,
     shop: Workshop,
+    *,
+    another: bool = False,
 ) -> list[Round]:
     """Add supported physics piece by piece; the last round has found nothing more.
 
@@ -66,9 +68,11 @@ def search(
     noise
         Residual per output that noise excuses, 0 where it is not known: what lies
         within it is not searched for physics.
+    another
+        Whether it ends where no one law explains anything: no two are tried at once.
     """
     start = Reached(base, base, (), noise)
-    rounds = _searched([], start, recordings, options, shop)
+    rounds = _searched([], start, recordings, options, shop, another=another)
     curve = told_instead(rounds, options.rule)
     if curve is None and not shop.limit.passed:
         curve = told_if_fine(rounds, noise, options.rule, shop)
@@ -91,6 +95,8 @@ def _searched(
     recordings: Sequence[BoundRecording],
     options: Options,
     shop: Workshop,
+    *,
+    another: bool = False,
 ) -> list[Round]:
     """Return the rounds of a search that goes on from those that were made already."""
     rounds, noise, authored = list(begun), reached.noise, reached.first.graph.parameters
@@ -123,6 +129,8 @@ def _searched(
         done = shop.limit.undone
         shop.progress(f"round {number}: trying without what was added before")
         found, fitted, added = made_of(reached, found, authored, options.rule)
+        if another and not rounds and found.chosen is None:
+            return [found]
         one: Made = ((found,), fitted, added)
         made, fitted, added = or_two(setting, reached, one, authored, shop)
         if not made:

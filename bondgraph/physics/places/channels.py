@@ -174,5 +174,6 @@ class OutputPlace(ChannelPlace):
     ) -> ReplaceMeasurement:
         """Return the edit that lets the sensor read another expression."""
         parameters = tuple(c.parameter for c in coefficients)
-        reads = self.signal if isinstance(self.signal, Signal) else None
-        return ReplaceMeasurement(self.name, value, parameters, states, nested, reads)
+        return ReplaceMeasurement(
+            self.name, value, parameters, states, nested, self.signal
+        )

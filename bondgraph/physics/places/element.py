@@ -9,6 +9,7 @@ from bondgraph.structure.domains import EnergyDomain
 from bondgraph.structure.edits import ReplaceRelation, SignalState
 from bondgraph.structure.elements import (
     Compliance,
+    EffortSource,
     Gyrator,
     Inertance,
     OneJunction,
@@ -17,7 +18,7 @@ from bondgraph.structure.elements import (
     ZeroJunction,
 )
 from bondgraph.structure.nodes import WithLaw, is_linear
-from bondgraph.structure.signals import f, p, parameter_symbol, q
+from bondgraph.structure.signals import e, f, p, parameter_symbol, q
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +52,23 @@ class ElementPlace(Place):
             case Compliance():
                 return q / constant
         return constant * f
+
+    @property
+    def flow_law(self) -> sympy.Expr | None:
+        """The flow of an R as a law of e; None where its effort follows a flow."""
+        (junction, *others) = self.junctions
+        if others or not isinstance(self.element, Resistance):
+            return None
+        ends = self.graph.bonds_at(junction)
+        near = (self.graph.node(bond.other(junction)) for bond in ends)
+        sets = ZeroJunction | EffortSource
+        given = all(isinstance(node, sets) for node in near if node.name != self.name)
+        if not self.is_one_junction(junction) or not given:
+            return None
+        law = self.element.law
+        if law is None:
+            return e / parameter_symbol(self.name)
+        return law if e in law.free_symbols and f not in law.free_symbols else None
 
     @property
     def linear_value(self) -> float | None:

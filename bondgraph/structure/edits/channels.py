@@ -48,8 +48,8 @@ class ReplaceMeasurement:
     Parameters
     ----------
     reads
-        The one signal that the sensor reads before. Of a graph in which it reads
-        another one, because an earlier edit is not there any more, that is meant.
+        What the sensor reads before. Of a graph in which it reads something else,
+        because an earlier edit is not there any more, that is meant.
     """
 
     measurement: str
@@ -63,16 +63,18 @@ class ReplaceMeasurement:
         """Return the graph with the sensor's expression replaced."""
         _measured(graph, self.measurement)
         (before,) = (m for m in graph.measurements if m.name == self.measurement)
-        meant = {} if self.reads is None else {self.reads: before.expression}
-        expression = canonical(self.expression.xreplace(meant))
+
+        def meant(told: sympy.Expr) -> sympy.Expr:
+            read, now = self.reads, before.expression
+            return told if read is None or read == now else told.subs(read, now)
+
+        expression = canonical(meant(self.expression))
         pieces = Pieces.of(graph)
         pieces.measurements = [
             Measurement(m.name, expression, m.unit) if m is before else m
             for m in graph.measurements
         ]
-        pieces.remember(
-            tuple(replace(z, rate=z.rate.xreplace(meant)) for z in self.states)
-        )
+        pieces.remember(tuple(replace(z, rate=meant(z.rate)) for z in self.states))
         return pieces.finished(self.parameters)
 
     def describe(self) -> str:

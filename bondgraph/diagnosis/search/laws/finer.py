@@ -23,10 +23,11 @@ from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, fit_fully
+from bondgraph.physics.curves import BOTH_WAYS
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.smooth import Smooth
-from bondgraph.physics.unknown import BOTH_WAYS, UnknownRelation
+from bondgraph.physics.unknown import UnknownRelation
 
 Array = NDArray[np.float64]
 
