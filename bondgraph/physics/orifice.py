@@ -11,6 +11,7 @@ from bondgraph.physics.places.junction import (
     OneJunctionPlace,
     ZeroJunctionPlace,
 )
+from bondgraph.physics.places.pair import PairPlace
 from bondgraph.structure.domains import ELECTRICAL
 from bondgraph.structure.edits import InsertElement, ReplaceRelation, SeveralEdits
 from bondgraph.structure.elements import FlowSource, Resistance, ZeroJunction
@@ -18,7 +19,7 @@ from bondgraph.structure.signals import e, f, flow, parameter_symbol, signals_in
 
 
 class SquareRootOrifice(AbstractPhysics):
-    """A flow out of the junction with the square root of its effort."""
+    """A flow out of a junction, or to another one, with the root of the effort."""
 
     word = "square_root_orifice"
     reference = "Torricelli 1643"
@@ -27,7 +28,9 @@ class SquareRootOrifice(AbstractPhysics):
     domains = FLUID
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it at 0-junctions; smooth within 0.1 % of the typical effort."""
+        """Yield it at 0-junctions and for pairs; smooth within 0.1 % of the effort."""
+        if isinstance(place, PairPlace) and self.suits(place):
+            yield self._between(place)
         if not isinstance(place, ZeroJunctionPlace) or not self.suits(place):
             return
         k = place.strength("orifice", place.unit(F), (0.0, 0.3 * place.flow), low=0.0)
@@ -37,6 +40,19 @@ class SquareRootOrifice(AbstractPhysics):
         words = f"{place.a(F)} lost with the root of {place.domain.effort}"
         edit = place.insert(element, k, at)
         yield self.hypothesis(place, edit, law, (k, at), words)
+
+    def _between(self, place: PairPlace) -> Hypothesis:
+        stem = f"orifice_to_{place.second}_from"
+        k = place.strength(stem, place.unit(F), (0.0, 0.3 * place.flow), low=0.0)
+        at = place.constant(f"{stem}_effort", place.unit(E), place.effort)
+        law = k.symbol * _smooth_root(e / at.symbol)
+        name = place.name_of(f"orifice_path_to_{place.second}_from")
+        edit = place.connect(Resistance(name, law=law), k, at)
+        words = (
+            f"{place.a(F)} from {place.name} to {place.second} with the root of the "
+            f"difference of {place.domain.effort}"
+        )
+        return self.hypothesis(place, edit, law, (k, at), words)
 
 
 class SquareLaw(AbstractPhysics):

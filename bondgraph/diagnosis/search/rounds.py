@@ -3,7 +3,8 @@
 Each round hands the improved model on. What an addition makes needless is taken out
 again. An addition that leaves nothing of what was there is its rival, and is given up,
 but where it does far better in its place; so does what would add too little beside it.
-Where all laws with a name only come near to what a curve shows, it goes on from that.
+Where all laws with a name only come near to what a curve shows, it goes on from that,
+and from two laws at once where these do better than all that was found one by one.
 """
 
 from collections.abc import Sequence
@@ -27,6 +28,7 @@ from bondgraph.diagnosis.search.revising.curve_beside import (
 from bondgraph.diagnosis.search.revising.exchange import Reached
 from bondgraph.diagnosis.search.revising.fitted_anew import fitted_anew
 from bondgraph.diagnosis.search.revising.otherwise_held import held_as_found
+from bondgraph.diagnosis.search.revising.pair_instead import pair_instead
 from bondgraph.diagnosis.search.revising.reconsidered import reconsidered
 from bondgraph.diagnosis.search.revising.removal import fitted_with
 from bondgraph.diagnosis.search.round_found import (
@@ -80,6 +82,8 @@ def search(
     if curve is not None and not shop.limit.passed:
         shop.progress("again, from a curve that no law with a name comes near to")
         begun = with_curve(rounds, curve, options.rule, shop)
+    if begun is None:
+        begun = pair_instead(rounds, recordings, noise, options, shop)
     if begun is not None:
         *before, last = chosen_in(begun)
         added = tuple(one.hypothesis for one in before)

@@ -1,0 +1,68 @@
+"""Two laws in place of a row of laws, where these still leave what is no noise.
+
+Of two effects that are there at once a third law may do a part of what either does, and
+more than either does alone: a leak of the tank between one that leaks and one whose
+gauge is bent. It comes first, and what comes after it only mends. So the laws that
+promised most from the first model are fitted two by two, as where none helps alone, and
+what one such pair does better than all that was found is told in its place.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
+from bondgraph.diagnosis.search.base.beyond_noise import explainable, left_beside
+from bondgraph.diagnosis.search.considered import Setting
+from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.pairs.together import two_rounds
+from bondgraph.diagnosis.search.round_found import Round, chosen_in, made_in
+from bondgraph.diagnosis.work.workers import Workshop
+from bondgraph.recordings.binding import BoundRecording
+
+Array = NDArray[np.float64]
+NO_NOISE = 0.5
+"""A residual of which so much is no noise is not explained."""
+
+LITTLE = 0.01
+"""Of what the first model left beyond noise: who leaves no more has found all."""
+
+AS_MANY = 0.8
+"""Two laws in place of two leave no more than this share of what those leave."""
+
+
+def pair_instead(
+    rounds: Sequence[Round],
+    recordings: Sequence[BoundRecording],
+    noise: Array,
+    options: Options,
+    shop: Workshop,
+) -> list[Round] | None:
+    """Return two rounds in place of those of a search, where they leave less.
+
+    Parameters
+    ----------
+    rounds
+        From the first model to what the search has ended with.
+    noise
+        Residual per output that noise excuses, 0 where it is not known.
+    """
+    made, first, final = made_in(rounds), rounds[0], rounds[-1].base
+    if len(made) < 2 or shop.limit.passed or explainable(final, noise) <= NO_NOISE:
+        return None
+    if left_beside(first.base, final, noise) <= LITTLE:
+        return None
+    shop.progress("two laws in place of those that were found")
+    setting = Setting(first.base, recordings, noise, options, 1, (), True)
+    two = two_rounds(setting, first, shop)
+    if not two:
+        return None
+    *_, last = (one.chosen for one in two if one.chosen is not None)
+    most = AS_MANY if len(chosen_in(rounds)) == len(two) else 1.0
+    less = _per_sample(last.errors) < most * _per_sample(made[-1].errors)
+    return list(two) if less else None
+
+
+def _per_sample(errors: LeftOutErrors) -> float:
+    return float(errors.chunks.sum()) / max(errors.samples, 1)
