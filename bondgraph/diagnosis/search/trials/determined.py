@@ -2,7 +2,8 @@
 
 A law whose own numbers nothing determines explains the data by something else that it
 can also be: hysteresis over a distance never travelled is a spring. It is left aside in
-favour of what it stands for. A strength of its own is another matter: that nothing
+favour of what it stands for. That beside it less is known of the model's own numbers is
+nothing against it. A strength of its own is another matter: that nothing
 tells how steep an edge or how rigid a stop is says only that it is as steep as can be.
 
 Two equal times look undetermined: near there only their sum shows, to first order. But
@@ -61,7 +62,7 @@ def determined(
     others: list[Rejected] = []
     for candidate in candidates:
         slip = candidate.hypothesis.is_slip
-        told = _undetermined(candidate) <= known
+        told = _undetermined(candidate) <= known or _is_told(candidate)
         if not (slip or told or (_remembers(candidate) and not run_away(base))):
             others.append(Rejected(candidate.hypothesis, REASON))
         elif _without_memory(candidate, base):
@@ -87,6 +88,18 @@ def _undetermined(candidate: Candidate) -> int:
     alone = others[:, own].max(axis=1, initial=0.0) <= TRACE
     mixed = others[:, ~own].max(axis=1, initial=0.0) > TRACE
     return int((alone if hypothesis.physics == CURVE else mixed).sum())
+
+
+def _is_told(candidate: Candidate) -> bool:
+    """Return whether nothing undetermined has a trace of the law's own numbers.
+
+    What stands for a law that is missing seems to be told: a belt that gives way for a
+    mast that sways. Beside the mast nothing is known of the belt, and all of the mast.
+    """
+    fitted = candidate.fitted
+    null = np.abs(uncertainty(fitted.problem, fitted.optimum).null)
+    own = np.isin(fitted.problem.free_names, list(candidate.hypothesis.parameters))
+    return bool(null[:, own].max(initial=0.0) <= TRACE)
 
 
 def _without_memory(candidate: Candidate, base: FittedModel) -> bool:
