@@ -14,11 +14,15 @@ LOW = np.array([1e-6, 0.0, -np.inf])
 
 
 def fitted(null, bearing):
-    """Return a fit of a bearing, a drag and a law's height; `null` tells nothing."""
+    """Return a fit of a bearing, a drag and a law's height; `null` tells nothing.
+
+    The model alone tells a bearing of 1e-6 as little.
+    """
     problem = SimpleNamespace(
         free_names=NAMES,
         free=np.arange(3),
         low=LOW,
+        high=np.full(3, np.inf),
         model=SimpleNamespace(parameter_names=NAMES),
     )
     units = {name: SimpleNamespace(unit="1") for name in NAMES}
@@ -36,7 +40,8 @@ def told(monkeypatch):
         module,
         "uncertainty",
         lambda _, optimum: SimpleNamespace(
-            null=np.array(optimum.null, dtype=float).reshape(-1, 3), std=np.ones(3)
+            null=np.array(optimum.null, dtype=float).reshape(-1, 3),
+            std=np.full(3, 1e-7),
         ),
     )
 

@@ -62,8 +62,9 @@ def determined(
     others: list[Rejected] = []
     for candidate in candidates:
         slip = candidate.hypothesis.is_slip
-        told = _undetermined(candidate) <= known or _is_told(candidate)
-        if not (slip or told or (_remembers(candidate) and not run_away(base))):
+        told = _undetermined(candidate) <= known or _is_told(candidate, base)
+        told |= _remembers(candidate) and not run_away(base)
+        if not (slip or told) or _is_too_late(candidate):
             others.append(Rejected(candidate.hypothesis, REASON))
         elif _without_memory(candidate, base):
             others.append(Rejected(candidate.hypothesis, AT_ONCE))
@@ -90,16 +91,38 @@ def _undetermined(candidate: Candidate) -> int:
     return int((alone if hypothesis.physics == CURVE else mixed).sum())
 
 
-def _is_told(candidate: Candidate) -> bool:
+def _is_told(candidate: Candidate, base: FittedModel) -> bool:
     """Return whether nothing undetermined has a trace of the law's own numbers.
 
-    What stands for a law that is missing seems to be told: a belt that gives way for a
-    mast that sways. Beside the mast nothing is known of the belt, and all of the mast.
+    Nor of a number that the model without it told from none: a law does not take the
+    place of those. What stands for a law that is missing only seems to be told: a belt
+    that gives way for a mast that sways. Beside the mast nothing is known of the belt.
     """
     fitted = candidate.fitted
     null = np.abs(uncertainty(fitted.problem, fitted.optimum).null)
-    own = np.isin(fitted.problem.free_names, list(candidate.hypothesis.parameters))
-    return bool(null[:, own].max(initial=0.0) <= TRACE)
+    if len(null) == 0:
+        return True
+    names = fitted.problem.free_names
+    traces = {
+        n for n, most in zip(names, null.max(axis=0), strict=True) if most > TRACE
+    }
+    std = uncertainty(base.problem, base.optimum).std
+    known = {
+        name
+        for name, value, error in zip(
+            base.problem.free_names, base.optimum.theta, std, strict=True
+        )
+        if abs(value) > error
+    }
+    return not traces & (known | set(candidate.hypothesis.parameters))
+
+
+def _is_too_late(candidate: Candidate) -> bool:
+    """Return whether a time of the law is as long as it may be: it would be longer."""
+    fitted = candidate.fitted
+    problem, theta = fitted.problem, fitted.optimum.theta
+    high = problem.high[problem.free]
+    return any(LEAST * theta[k] >= high[k] for k in _times(candidate))
 
 
 def _without_memory(candidate: Candidate, base: FittedModel) -> bool:
