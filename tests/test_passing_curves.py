@@ -94,3 +94,11 @@ def test_no_delay_is_longer_than_half_the_longest_recording():
     (delay,) = proposed(vessel(), Delay(), "pump", scales)
     (time,) = (p for p in delay.edit.parameters if not p.exact)
     assert time.bounds == (0.1 * 0.05, MOST * 40.0)
+
+
+def test_a_bent_sensor_may_have_another_slope_as_well():
+    bent, *_, sloped = proposed(vessel(), SensorNonlinearity(), "pressure")
+    assert sloped.contains(bent)
+    assert not bent.contains(sloped)
+    slope = next(name for name in sloped.strengths if "slope" in name)
+    assert sloped.law.subs(parameter_symbol(slope), 0) == bent.law

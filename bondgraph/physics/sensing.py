@@ -96,9 +96,14 @@ class SensorNonlinearity(AbstractPhysics):
             yield self._rectified(place)
         if not isinstance(place.signal, Signal):
             yield self._raised(place)
+        if not _has_free(place, factor=True):
+            yield self._bent(place, sloped=True)
 
-    def _bent(self, place: OutputPlace) -> Hypothesis:
-        """Bend it about zero, or about the middle of a range that is far from zero."""
+    def _bent(self, place: OutputPlace, *, sloped: bool = False) -> Hypothesis:
+        """Bend it about zero, or about the middle of a range that is far from zero.
+
+        With another slope there, where it was calibrated at the ends of its range.
+        """
         middle, half = _middle(place)
         # At an end it reads at most so much more again, for each of the two bends.
         low, high = -1.0, 1.0
@@ -110,8 +115,14 @@ class SensorNonlinearity(AbstractPhysics):
         law = place.signal + size.symbol * (square.symbol * x**2 + cube.symbol * x**3)
         words = f"{place.name} reads what is there along a bent curve"
         coefficients = (square, cube, size, *((right,) if middle else ()))
+        extends: tuple[str, ...] = ()
+        if sloped:
+            slope = place.strength("sensor_slope", "1", (0.0, 0.05), low=-0.9)
+            law += size.symbol * slope.symbol * x
+            words += ", steeper or flatter in all"
+            coefficients, extends = (slope, *coefficients), (self.word,)
         edit = place.become(law, *coefficients)
-        return self.hypothesis(place, edit, law, coefficients, words)
+        return self.hypothesis(place, edit, law, coefficients, words, extends=extends)
 
     def _cut(
         self, place: OutputPlace, begin: float, end: float, side: str
