@@ -41,8 +41,7 @@ def asked(monkeypatch, chain, pair, *, seconds=None, noisy=False, left=0.2):
     [
         ((0.6, 0.4, 0.3), 0.2, True),
         ((0.6, 0.4, 0.3), 0.35, False),
-        ((0.6, 0.3), 0.2, True),
-        ((0.6, 0.3), 0.28, False),
+        ((0.6, 0.4, 0.3), 0.28, False),
     ],
 )
 def test_two_laws_that_leave_less_take_the_place_of_those_found(
@@ -57,10 +56,10 @@ def test_two_laws_that_leave_less_take_the_place_of_those_found(
 @pytest.mark.parametrize(
     ("chain", "known"),
     [
-        ((0.3,), {}),
-        ((0.6, 0.3), {"noisy": True}),
-        ((0.6, 0.3), {"left": 0.005}),
-        ((0.6, 0.3), {"seconds": 0.0}),
+        ((0.6, 0.3), {}),
+        ((0.6, 0.4, 0.3), {"noisy": True}),
+        ((0.6, 0.4, 0.3), {"left": 0.005}),
+        ((0.6, 0.4, 0.3), {"seconds": 0.0}),
     ],
 )
 def test_no_pair_is_tried_where_little_is_left_or_no_time(monkeypatch, chain, known):
@@ -70,6 +69,6 @@ def test_no_pair_is_tried_where_little_is_left_or_no_time(monkeypatch, chain, kn
 
 
 def test_where_no_pair_is_supported_the_row_stays(monkeypatch):
-    instead, tried = asked(monkeypatch, (0.6, 0.3), ())
+    instead, tried = asked(monkeypatch, (0.6, 0.4, 0.3), ())
     assert instead is None
     assert tried

@@ -17,7 +17,7 @@ from bondgraph.diagnosis.search.base.beyond_noise import explainable, left_besid
 from bondgraph.diagnosis.search.considered import Setting
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.pairs.together import two_rounds
-from bondgraph.diagnosis.search.round_found import Round, chosen_in, made_in
+from bondgraph.diagnosis.search.round_found import Round, made_in
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.recordings.binding import BoundRecording
 
@@ -28,8 +28,13 @@ NO_NOISE = 0.5
 LITTLE = 0.01
 """Of what the first model left beyond noise: who leaves no more has found all."""
 
-AS_MANY = 0.8
-"""Two laws in place of two leave no more than this share of what those leave."""
+ROW = 3
+"""So many laws are a row. In place of two that were found one by one two others that
+leave less are as likely to bend as they.
+"""
+
+LESS = 0.8
+"""Two laws in place of a row leave no more than this share of what it leaves."""
 
 
 def pair_instead(
@@ -49,7 +54,7 @@ def pair_instead(
         Residual per output that noise excuses, 0 where it is not known.
     """
     made, first, final = made_in(rounds), rounds[0], rounds[-1].base
-    if len(made) < 2 or shop.limit.passed or explainable(final, noise) <= NO_NOISE:
+    if len(made) < ROW or shop.limit.passed or explainable(final, noise) <= NO_NOISE:
         return None
     if left_beside(first.base, final, noise) <= LITTLE:
         return None
@@ -59,8 +64,7 @@ def pair_instead(
     if not two:
         return None
     *_, last = (one.chosen for one in two if one.chosen is not None)
-    most = AS_MANY if len(chosen_in(rounds)) == len(two) else 1.0
-    less = _per_sample(last.errors) < most * _per_sample(made[-1].errors)
+    less = _per_sample(last.errors) < LESS * _per_sample(made[-1].errors)
     return list(two) if less else None
 
 

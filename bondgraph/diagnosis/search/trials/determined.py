@@ -94,9 +94,10 @@ def _undetermined(candidate: Candidate) -> int:
 def _is_told(candidate: Candidate, base: FittedModel) -> bool:
     """Return whether nothing undetermined has a trace of the law's own numbers.
 
-    Nor of a number that the model without it told from none: a law does not take the
-    place of those. What stands for a law that is missing only seems to be told: a belt
-    that gives way for a mast that sways. Beside the mast nothing is known of the belt.
+    Nor of a number that the model without it told from none, or left open: a law does
+    not take the place of those. What stands for a law that is missing only seems to be
+    told: a belt that gives way for a mast that sways. Beside the mast nothing is known
+    of the belt.
     """
     fitted = candidate.fitted
     null = np.abs(uncertainty(fitted.problem, fitted.optimum).null)
@@ -112,7 +113,7 @@ def _is_told(candidate: Candidate, base: FittedModel) -> bool:
         for name, value, error in zip(
             base.problem.free_names, base.optimum.theta, std, strict=True
         )
-        if abs(value) > error
+        if not abs(value) <= error  # Of what is not told at all there is none.
     }
     return not traces & (known | set(candidate.hypothesis.parameters))
 
