@@ -7,9 +7,10 @@ import pytest
 from carts import free_cart, recorded
 
 from bondgraph.diagnosis.diagnose import Options
-from bondgraph.diagnosis.search import nearer_look
+from bondgraph.diagnosis.search import looks, nearer_look
 from bondgraph.diagnosis.search.nearer_look import first_look
 from bondgraph.diagnosis.search.round_found import Round
+from bondgraph.diagnosis.search.trials.surrogates import NEAR
 from bondgraph.diagnosis.work.limit import Limit
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.fitting.horizon import WholeRecordings, Windows
@@ -47,7 +48,7 @@ def looked(monkeypatch, cart, answers, options=None, seconds=None):
         return SimpleNamespace(rounds=rounds, is_named=named, share=share)
 
     monkeypatch.setattr(nearer_look, "look", look)
-    monkeypatch.setattr(nearer_look, "remaining", lambda *_: seen_last(asked, answers))
+    monkeypatch.setattr(looks, "remaining", lambda *_: seen_last(asked, answers))
     shop = SimpleNamespace(limit=Limit.after(seconds), progress=lambda _: None)
     chosen = options or Options()
     seen = first_look(graph, base, recordings, NO_NOISE, chosen, shop)
@@ -64,7 +65,7 @@ def test_windows_are_divided_where_no_one_law_explains_them(
 ):
     answers = [(None, 1.0), ("cogging", 0.01)]
     seen, asked = looked(monkeypatch, cart_with_friction, answers)
-    assert asked == [(SAMPLES, True), (SAMPLES // nearer_look.NEARER, False)]
+    assert asked == [(SAMPLES, True), (SAMPLES // NEAR, False)]
     assert seen.is_named
 
 

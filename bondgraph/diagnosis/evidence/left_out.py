@@ -52,6 +52,11 @@ class LeftOutErrors:
     noise: float = 0.0
 
     @property
+    def per_sample(self) -> float:
+        """The error of a sample, in the mean."""
+        return float(self.chunks.sum()) / max(self.samples, 1)
+
+    @property
     def beyond_noise(self) -> float:
         """The whole error without what noise alone would leave."""
         return max(float(self.chunks.sum()) - self.noise, 0.0)

@@ -130,7 +130,7 @@ def second_look(
     windowed = base.problem.shots.n_windows > len(recordings)
     if shop.limit.passed or (small and not windowed):
         return first
-    if _explains(first, recordings) and not _spoils(first, base, recordings):
+    if explains(first, recordings) and not _spoils(first, base, recordings):
         return first
     known = Known(graph, recordings, noise, _halved(options))
     there = graph.with_parameters(base.values)
@@ -193,7 +193,7 @@ def _still_shows(seen: Look, first: Look) -> bool:
     return not first.is_named or keeps_what_windows_show(seen.final, first.final, base)
 
 
-def _explains(seen: Look, recordings: Sequence[BoundRecording]) -> bool:
+def explains(seen: Look, recordings: Sequence[BoundRecording]) -> bool:
     """Return whether named laws have left little over what was looked at.
 
     On a machine that integrates, whole recordings may still drift off, and any law that

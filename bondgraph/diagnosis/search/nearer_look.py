@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from bondgraph.diagnosis.search.base.beginnings import base_fit
 from bondgraph.diagnosis.search.base.beyond_noise import explainable, within
-from bondgraph.diagnosis.search.looks import Look, look
+from bondgraph.diagnosis.search.looks import Look, explains, look
+from bondgraph.diagnosis.search.one_round import MUCH
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.remaining import MUCH_REMAINING, remaining
 from bondgraph.diagnosis.search.round_found import accepted
+from bondgraph.diagnosis.search.trials.surrogates import NEAR
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import FittedModel
@@ -25,11 +26,6 @@ from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
-NEARER = 8
-"""Into how many pieces windows are divided, as those of a nearer screening are."""
-
-MUCH = 0.5
-"""A residual of which so much is not noise is worth another look."""
 
 
 def first_look(
@@ -58,8 +54,7 @@ def first_look(
     nearer = _fitted_nearer(graph, base, recordings, noise, options)
     if nearer is not None:
         seen = look(nearer, recordings, noise, options, shop)
-        floor = dict(zip(nearer.problem.model.output_names, noise, strict=True))
-        if seen.is_named and remaining(seen.rounds, floor) < MUCH_REMAINING:
+        if explains(seen, recordings):
             return seen
     return look(base, recordings, noise, options, shop)
 
@@ -75,7 +70,7 @@ def _may_be_nearer(base: FittedModel, noise: Array, options: Options) -> bool:
 
 def _samples(base: FittedModel) -> int:
     """Return how long a shorter window is."""
-    return int(np.diff(base.problem.shots.edges).max()) // NEARER
+    return int(np.diff(base.problem.shots.edges).max()) // NEAR
 
 
 def _fitted_nearer(

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.search.round_found import Round
 
 MUCH_REMAINING = 0.1
@@ -20,8 +19,8 @@ def remaining(rounds: Sequence[Round], floor: Mapping[str, float]) -> float:
     made = [found.chosen for found in rounds if found.chosen is not None]
     if not made:
         return 1.0
-    whole = _per_sample(made[0].errors) / max(1.0 - made[0].gain.value, 1e-12)
-    share = _per_sample(made[-1].errors) / whole if whole > 0.0 else 1.0
+    whole = made[0].errors.per_sample / max(1.0 - made[0].gain.value, 1e-12)
+    share = made[-1].errors.per_sample / whole if whole > 0.0 else 1.0
     base = rounds[0].base
     scale = base.problem.sigma
     power = np.nanmean((base.residuals() / scale) ** 2, axis=0)
@@ -29,7 +28,3 @@ def remaining(rounds: Sequence[Round], floor: Mapping[str, float]) -> float:
     # The gains are of the errors of all outputs together, weighted by these scales.
     beyond = 1.0 - float(np.sum(np.minimum(noise, power)) / np.sum(power))
     return max(share - (1.0 - beyond), 0.0) / max(beyond, 1e-12)
-
-
-def _per_sample(errors: LeftOutErrors) -> float:
-    return float(errors.chunks.sum()) / max(errors.samples, 1)

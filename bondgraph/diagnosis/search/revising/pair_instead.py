@@ -12,9 +12,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.search.base.beyond_noise import explainable, left_beside
 from bondgraph.diagnosis.search.considered import Setting
+from bondgraph.diagnosis.search.one_round import MUCH
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.pairs.together import two_rounds
 from bondgraph.diagnosis.search.round_found import Round, made_in
@@ -22,9 +22,6 @@ from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.recordings.binding import BoundRecording
 
 Array = NDArray[np.float64]
-NO_NOISE = 0.5
-"""A residual of which so much is no noise is not explained."""
-
 LITTLE = 0.01
 """Of what the first model left beyond noise: who leaves no more has found all."""
 
@@ -54,19 +51,16 @@ def pair_instead(
         Residual per output that noise excuses, 0 where it is not known.
     """
     made, first, final = made_in(rounds), rounds[0], rounds[-1].base
-    if len(made) < ROW or shop.limit.passed or explainable(final, noise) <= NO_NOISE:
+    if len(made) < ROW or shop.limit.passed or explainable(final, noise) <= MUCH:
         return None
     if left_beside(first.base, final, noise) <= LITTLE:
         return None
     shop.progress("two laws in place of those that were found")
-    setting = Setting(first.base, recordings, noise, options, 1, (), True)
+    setting = Setting(
+        first.base, recordings, noise, options, number=1, found=(), curves=True
+    )
     two = two_rounds(setting, first, shop)
     if not two:
         return None
-    *_, last = (one.chosen for one in two if one.chosen is not None)
-    less = _per_sample(last.errors) < LESS * _per_sample(made[-1].errors)
-    return list(two) if less else None
-
-
-def _per_sample(errors: LeftOutErrors) -> float:
-    return float(errors.chunks.sum()) / max(errors.samples, 1)
+    left, left_by_two = (one[-1].errors.per_sample for one in (made, made_in(two)))
+    return list(two) if left_by_two < LESS * left else None

@@ -101,12 +101,8 @@ def _is_told(candidate: Candidate, base: FittedModel) -> bool:
     """
     fitted = candidate.fitted
     null = np.abs(uncertainty(fitted.problem, fitted.optimum).null)
-    if len(null) == 0:
-        return True
-    names = fitted.problem.free_names
-    traces = {
-        n for n, most in zip(names, null.max(axis=0), strict=True) if most > TRACE
-    }
+    most = null.max(axis=0, initial=0.0)
+    names = np.array(fitted.problem.free_names)
     std = uncertainty(base.problem, base.optimum).std
     known = {
         name
@@ -115,7 +111,7 @@ def _is_told(candidate: Candidate, base: FittedModel) -> bool:
         )
         if not abs(value) <= error  # Of what is not told at all there is none.
     }
-    return not traces & (known | set(candidate.hypothesis.parameters))
+    return not set(names[most > TRACE]) & (known | set(candidate.hypothesis.parameters))
 
 
 def _is_too_late(candidate: Candidate) -> bool:
