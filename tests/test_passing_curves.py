@@ -102,3 +102,9 @@ def test_a_bent_sensor_may_have_another_slope_as_well():
     assert not bent.contains(sloped)
     slope = next(name for name in sloped.strengths if "slope" in name)
     assert sloped.law.subs(parameter_symbol(slope), 0) == bent.law
+
+
+def test_a_sensor_that_bends_about_the_middle_of_its_range_has_its_slope():
+    scales = Scales(ranges={"pressure": (290.0, 310.0)})
+    laws = proposed(vessel(), SensorNonlinearity(), "pressure", scales)
+    assert not any("sensor_slope_pressure" in law.parameters for law in laws)

@@ -96,13 +96,15 @@ class SensorNonlinearity(AbstractPhysics):
             yield self._rectified(place)
         if not isinstance(place.signal, Signal):
             yield self._raised(place)
-        if not _has_free(place, factor=True):
+        about_zero = _middle(place)[0] == 0.0
+        if about_zero and not _has_free(place, factor=True):
             yield self._bent(place, sloped=True)
 
     def _bent(self, place: OutputPlace, *, sloped: bool = False) -> Hypothesis:
         """Bend it about zero, or about the middle of a range that is far from zero.
 
-        With another slope there, where it was calibrated at the ends of its range.
+        With another slope at zero, where it was calibrated at the ends of its range;
+        about the middle of a range it is nearly right there as it is.
         """
         middle, half = _middle(place)
         # At an end it reads at most so much more again, for each of the two bends.
