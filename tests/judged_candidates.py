@@ -44,7 +44,14 @@ def errors(*values):
     return LeftOutErrors(np.array(values, dtype=float))
 
 
-def candidate(physics="drag", place="body", complexity=1, extends=(), domain=""):
+def candidate(
+    physics="drag",
+    place="body",
+    complexity=1,
+    extends=(),
+    domain="",
+    by_output=(1.0,),
+):
     domains = [SimpleNamespace(name=domain)] if domain else []
     hypothesis = SimpleNamespace(
         physics=physics, place=place, extends=extends, factor=1, depends_on=()
@@ -53,6 +60,7 @@ def candidate(physics="drag", place="body", complexity=1, extends=(), domain="")
         hypothesis=hypothesis,
         told=hypothesis,
         complexity=complexity,
+        left_by_output=np.array(by_output),
         fitted=SimpleNamespace(graph=SimpleNamespace(domains_at=lambda _: domains)),
     )
 

@@ -278,6 +278,18 @@ def test_simpler_and_simpler_laws_are_preferred_step_by_step():
     assert best_supported([wide, simple], RULE) is wide
 
 
+def test_a_law_of_another_output_comes_before_a_curve_that_leaves_that():
+    curve = judged(0.2, physics=CURVE, complexity=6, by_output=(0.02, 0.4))
+    same = judged(0.6, physics="spring", by_output=(0.3, 0.4))
+    other = judged(0.65, by_output=(0.5, 0.1))
+    assert best_supported([curve, same], RULE) is curve
+    assert best_supported([curve, same, other], RULE) is other
+    # What is little beside all that the curve leaves is no reason.
+    little = judged(0.65, by_output=(9.5, 0.1))
+    curve = judged(0.2, physics=CURVE, complexity=6, by_output=(9.0, 0.4))
+    assert best_supported([curve, little], RULE) is curve
+
+
 @pytest.mark.parametrize(("left", "noise"), [(0.2, 0.1), (0.02, 0.1), (0.2, 0.9)])
 def test_what_is_still_missing_may_bend_a_wider_law_to_lead(left, noise):
     wide = judged(left, noise=noise, physics="backlash", complexity=2)

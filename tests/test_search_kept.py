@@ -1,6 +1,7 @@
 """What a search has found stays: over its windows, and where quarters are left out."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -90,7 +91,7 @@ def test_what_makes_quarters_worse_that_are_left_out_is_not_the_one(
         return LeftOutErrors(np.repeat((10.0,) * 4 if fitted is base else left, 2))
 
     monkeypatch.setattr(worth, "left_out_errors", errors)
-    candidate = Candidate(None, right, 1)
+    candidate = Candidate(SimpleNamespace(physics="drag"), right, 1)
     said = worth.fault_of(base, candidate, recordings, 8)
     assert said is None if fault is None else fault in said
 

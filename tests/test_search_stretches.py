@@ -1,6 +1,7 @@
 """What remembers is tried over whole recordings, or stretches where these drift."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -80,7 +81,7 @@ def test_a_law_that_ruins_stretches_is_lost_and_one_that_does_not_holds(free):
         theta = fitted.optimum.theta.copy()
         theta[fitted.problem.free_names.index("viscous")] = viscous
         changed = replace(fitted, optimum=replace(fitted.optimum, theta=theta))
-        return Candidate(None, changed, 1)
+        return Candidate(SimpleNamespace(physics="drag"), changed, 1)
 
     samples = stretch(fitted, recordings)
     known = long_error(fitted, recordings, samples)

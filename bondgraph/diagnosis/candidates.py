@@ -3,10 +3,15 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
 from bondgraph.physics.places.everywhere import all_places
+
+Array = NDArray[np.float64]
 
 CURVE = "unknown_relation"
 """The word for a relation without a name."""
@@ -27,6 +32,12 @@ class Candidate:
     def cost(self) -> float:
         """What its fit leaves of the training data."""
         return self.fitted.optimum.cost
+
+    @property
+    def left_by_output(self) -> Array:
+        """Squared residuals that its fit leaves of each output, in noise of it."""
+        residuals = self.fitted.optimum.linearisation.residuals
+        return np.asarray(np.sum(residuals**2, axis=0))
 
     @property
     def told(self) -> Hypothesis:

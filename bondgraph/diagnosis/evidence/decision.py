@@ -7,6 +7,8 @@ others stay on record as alternatives.
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence.judged import Judged, Rule, is_by_itself
 from bondgraph.diagnosis.evidence.leads import alike, clearly_better, extends
@@ -19,6 +21,9 @@ NEARLY_AS_GOOD = "hardly less than a supported law with more parameters"
 
 NAMED_SHARE = 0.8
 """A named law must give this share of what a free curve gives, or the curve is told."""
+
+HALF = 0.5
+"""A law that leaves less than this share of an output than a curve does explains it."""
 
 
 def with_plainer(judged: Sequence[Judged], rule: Rule) -> tuple[Judged, ...]:
@@ -87,7 +92,7 @@ def best_supported(judged: Sequence[Judged], rule: Rule) -> Judged | None:
     simple the better predictor wins, and of those that predict alike the plainest. A
     curve without a name is chosen only where no named law gives most of what it gives,
     and one that multiplies what depends on something else only where no curve alone
-    does.
+    does. A law that explains an output which the curve leaves is chosen before it.
     """
     return _simplest(judged, rule, _plainest)
 
@@ -132,12 +137,27 @@ def _simplest(
         if leading.gain.value >= NAMED_SHARE * best.gain.value:
             supported, best = fewer, leading
             break
+    if best.physics == CURVE:
+        others = [j for j in named if _is_of_another_output(j, best, rule)]
+        supported = others or supported
+        best = max(supported, key=_gained)
     chosen = pick(_simplest_near(best, supported, rule), rule)
     while True:
         plainer = pick(_simplest_near(chosen, supported, rule), rule)
         if plainer.candidate.complexity >= chosen.candidate.complexity:
             return chosen
         chosen = plainer
+
+
+def _is_of_another_output(named: Judged, curve: Judged, rule: Rule) -> bool:
+    """Return whether a law explains, of one output, what a curve leaves there.
+
+    A curve gives more of all outputs together where it has one of them to itself. It is
+    no rival of what the others tell, and is drawn better once that is known.
+    """
+    left, own = curve.candidate.left_by_output, named.candidate.left_by_output
+    matters = left - own > rule.materiality * left.sum()
+    return bool(np.any(matters & (own < HALF * left)))
 
 
 def _simplest_near(

@@ -1,0 +1,71 @@
+"""A store's free curve: one that falls is none of a store but a spring's."""
+
+import numpy as np
+
+from bondgraph import BondGraph, C, R, Recording, Sf, bind_to
+from bondgraph.diagnosis.candidates import Candidate, propose_all
+from bondgraph.diagnosis.search.trials.trying import Start, Trial, restored
+from bondgraph.diagnosis.search.trials.worth import (
+    NEGATIVE,
+    fault_of,
+    is_negative_store,
+)
+from bondgraph.fitting.estimate import FitSettings, fit_model
+from bondgraph.physics.unknown import UnknownRelation
+
+TIME = np.arange(400.0)
+PUSH = np.where(TIME % 100 < 50, 1.0, 0.0)
+
+
+def block():
+    """A block that is heated and loses heat."""
+    g = BondGraph("block", domain="thermal")
+    g.zero("block", Sf("heater"), C("capacity"), R("loss"))
+    g.measure("temperature", effort="block")
+    g.parameter("capacity", 20.0, "J/K", bounds=(1, 100))
+    g.parameter("loss", 2.0, "K/W", bounds=(0.1, 100))
+    return g.finish(), "heater", "W", "temperature", "K"
+
+
+def mast():
+    """A mast whose foot, a spring, is moved against something that drags."""
+    g = BondGraph("mast", domain="translation")
+    g.one("mast", R("rub"))
+    g.zero("foot", C("spring"), Sf("speed"))
+    g.join("foot", "mast")
+    g.measure("force", effort="foot")
+    g.parameter("spring", 20.0, "m/N", bounds=(1, 100))
+    g.parameter("rub", 2.0, "N*s/m", bounds=(0.1, 100))
+    return g.finish(), "speed", "m/s", "force", "N"
+
+
+def as_answers(machine, heights):
+    """Return the candidate whose store answers along its law and these heights."""
+    graph, source, unit, output, read = machine
+    answer, own = np.zeros(TIME.size), 0.0
+    for k, push in enumerate(PUSH):
+        answer[k] = own
+        own += (push - own / 2.0) / 20.0
+    channels = {source: (PUSH, unit), output: (answer, read)}
+    bound = [bind_to(graph, Recording.from_arrays("run", TIME, channels))]
+    base = fit_model(graph, bound, FitSettings())
+    laws = propose_all(base, [UnknownRelation()])
+    (law,) = (one for one in laws if "holds along" in one.words)
+    numbers = dict(zip(law.strengths, heights, strict=True))
+    fitted = restored(base, Trial(law, (Start({**base.values, **numbers}),)))
+    return base, Candidate(law, fitted, len(heights)), bound
+
+
+RISING = 0.3 * np.linspace(0.0, 1.0, 8) ** 2
+WAVES = 0.8 * np.sin(np.arange(8.0) * 2.0)
+
+
+def test_a_block_does_not_cool_as_it_takes_heat():
+    assert not is_negative_store(as_answers(block(), RISING)[1])
+    base, falling, bound = as_answers(block(), WAVES)
+    assert is_negative_store(falling)
+    assert fault_of(base, falling, bound, 8) == NEGATIVE
+
+
+def test_a_spring_may_push_less_the_further_it_is_bent():
+    assert not is_negative_store(as_answers(mast(), 20.0 * WAVES)[1])
