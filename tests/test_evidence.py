@@ -25,6 +25,7 @@ from bondgraph.diagnosis.evidence.confidence import beyond_resampling, probabili
 from bondgraph.diagnosis.evidence.decision import (
     alternatives_to,
     best_supported,
+    curves_as_good,
     with_plainer,
 )
 from bondgraph.diagnosis.evidence.gain import (
@@ -288,6 +289,24 @@ def test_a_law_of_another_output_comes_before_a_curve_that_leaves_that():
     little = judged(0.65, by_output=(9.5, 0.1))
     curve = judged(0.2, physics=CURVE, complexity=6, by_output=(9.0, 0.4))
     assert best_supported([curve, little], RULE) is curve
+
+
+def test_a_bent_sensor_is_not_told_from_a_curve_elsewhere_that_does_better():
+    sensor = judged(0.1, physics="sensor_nonlinearity", place="temperature")
+    better = judged(0.02, physics=CURVE, complexity=6, place="loss")
+    worse = judged(0.3, physics=CURVE, complexity=6, place="store")
+    assert curves_as_good(sensor, [sensor, better, worse], RULE) == (better,)
+    # Another law at another place has its own evidence.
+    drag = judged(0.1, place="body")
+    assert curves_as_good(drag, [drag, better], RULE) == ()
+
+
+def test_a_curve_is_not_told_from_one_elsewhere_that_does_as_well():
+    chosen = judged(0.1, physics=CURVE, complexity=6, place="loss")
+    as_well = judged(0.1, physics=CURVE, complexity=6, place="store")
+    worse = judged(0.3, physics=CURVE, complexity=6, place="room")
+    found = curves_as_good(chosen, [chosen, as_well, worse], RULE)
+    assert found == (as_well,)
 
 
 @pytest.mark.parametrize(("left", "noise"), [(0.2, 0.1), (0.02, 0.1), (0.2, 0.9)])

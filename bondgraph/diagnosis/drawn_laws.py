@@ -35,6 +35,16 @@ TELLS = 0.2
 """Of a factor's largest value, below which nothing is told of what it multiplies."""
 
 
+def argument_of(candidate: Candidate) -> sympy.Expr | None:
+    """Return what a curve without a name goes along; None for what is not known."""
+    hypothesis = candidate.hypothesis
+    if hypothesis.shape is not None:
+        return hypothesis.shape.argument
+    if len(hypothesis.depends_on) != 1:
+        return None
+    return _axes(candidate.fitted, candidate, hypothesis.depends_on[0])[0]
+
+
 def law_curve(
     fitted: FittedModel, candidate: Candidate, quantity: str
 ) -> tuple[Array, Array]:

@@ -4,10 +4,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from bondgraph.diagnosis.answer.evidence_shown import hardly_supported, shown
-from bondgraph.diagnosis.answer.wording import finding_statement
+from bondgraph.diagnosis.answer.passed_once import (
+    AS_OF_TIME,
+    MAY_BE_TIME,
+    passes_once,
+)
+from bondgraph.diagnosis.answer.wording import finding_statement, listed
 from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence.confidence import beyond_resampling
-from bondgraph.diagnosis.evidence.decision import alternatives_to
+from bondgraph.diagnosis.evidence.decision import alternatives_to, curves_as_good
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE
 from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.evidence.numbers import none_told
@@ -55,20 +60,27 @@ def findings_of(
             if (j.physics, j.place) not in elsewhere
         ]
         near = better if better and better.curve.place == chosen.place else None
-        finding = _finding(chosen, close, after, proportion)
+        curves = curves_as_good(chosen, found.judged, options.rule)
+        alike = [one.place for one in curves if one.physics == chosen.physics]
+        rivals = () if alike else curves
+        once = passes_once(chosen.candidate)
+        finding = _finding(chosen, close, alike, after, proportion)
         findings.append(
             replace(
                 finding,
                 statement=finding.statement
                 + nearest(found)
                 + comes_near(near)
+                + _as_well(rivals)
+                + (AS_OF_TIME if once else "")
                 + (MENDS_SHAPE if share < MERE_SHAPE else ""),
                 alternatives=(
                     *(shown(j, held_out) for j in close),
                     *(shown(one.curve, held_out) for one in (near,) if one),
+                    *(shown(one, held_out) for one in rivals[:1]),
                     *hardly_supported(found, options, held_out),
                 ),
-                probability=_sure(found, share),
+                probability=_sure(found, MAY_BE_TIME * share if once else share),
             )
         )
         others[finding.element] = close
@@ -78,13 +90,21 @@ def findings_of(
 def _finding(
     chosen: Judged,
     close: Sequence[Judged],
+    alike: Sequence[str],
     after: FitResult,
     proportion: Mapping[str, float],
 ) -> Finding:
-    """Return what was found, where it is and how large."""
+    """Return what was found, where it is and how large.
+
+    Parameters
+    ----------
+    close, alike
+        What the data do not tell from it, and where else a curve does as well as it.
+    """
     hypothesis = chosen.candidate.hypothesis
     same = [j.place for j in close if j.physics == chosen.physics]
-    elsewhere = (p for p in (*same, *hypothesis.also) if p != chosen.place)
+    known = (*same, *alike, *hypothesis.also)
+    elsewhere = (place for place in known if place != chosen.place)
     places = tuple(dict.fromkeys(elsewhere))
     estimates = tuple(e for e in after.estimates if e.name in hypothesis.parameters)
     scaled = tuple(
@@ -132,6 +152,17 @@ def nearest(found: Round) -> str:
         f" Of the laws with a name {best.name} comes nearest: it takes "
         f"away {100 * best.gain.value:.0f} % of the error on left-out data, the curve "
         f"{100 * curve.gain.value:.0f} %."
+    )
+
+
+def _as_well(curves: Sequence[Judged]) -> str:
+    """Return the sentence that what a sensor does may be done in the machine."""
+    if not curves:
+        return ""
+    places = listed(tuple(dict.fromkeys(one.place for one in curves)), "or")
+    return (
+        f" A relation without a name at {places} takes away more by itself: these "
+        "recordings do not tell a sensor that bends from what bends in the machine."
     )
 
 

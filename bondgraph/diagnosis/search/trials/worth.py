@@ -1,6 +1,7 @@
 """What is worth judging: laws that are there, determined, and remember if they must."""
 
 from collections.abc import Sequence
+from itertools import compress
 
 import numpy as np
 
@@ -46,10 +47,14 @@ def worth_judging(
     recordings: Sequence[BoundRecording],
 ) -> tuple[list[Candidate], tuple[Rejected, ...]]:
     """Return the candidates worth judging, and the others with their reasons."""
-    there, vanished = without_vanished(candidates)
+    negative = [is_negative_store(one) for one in candidates]
+    stable = [c for c, is_one in zip(candidates, negative, strict=True) if not is_one]
+    unstable = compress((one.hypothesis for one in candidates), negative)
+    there, vanished = without_vanished(stable)
     known, undetermined = determined(base, there)
     worth, forgetful = remembering(base, known, recordings)
-    return worth, (*vanished, *undetermined, *forgetful)
+    falling = (Rejected(hypothesis, NEGATIVE) for hypothesis in unstable)
+    return worth, (*vanished, *undetermined, *forgetful, *falling)
 
 
 def fault_of(
@@ -65,8 +70,6 @@ def fault_of(
     law says between two pieces that are known it may know by heart. The rows of a table
     come in no order.
     """
-    if is_negative_store(candidate):
-        return NEGATIVE
     samples = stretch(base, recordings)
     before = long_error(base, recordings, samples)
     if long_error(candidate.fitted, recordings, samples) > RUINED * before:
