@@ -21,11 +21,10 @@ from scipy.signal import lfilter
 from bondgraph import BondGraph, C, Recording, Sf, bind_to
 from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence import left_out
+from bondgraph.diagnosis.evidence.alternatives import alternatives_to, curves_as_good
 from bondgraph.diagnosis.evidence.confidence import beyond_resampling, probability
 from bondgraph.diagnosis.evidence.decision import (
-    alternatives_to,
     best_supported,
-    curves_as_good,
     with_plainer,
 )
 from bondgraph.diagnosis.evidence.gain import (

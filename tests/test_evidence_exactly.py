@@ -20,10 +20,10 @@ from judged_candidates import (
 from scipy import stats
 
 from bondgraph.diagnosis.candidates import CURVE
+from bondgraph.diagnosis.evidence.alternatives import alternatives_to
 from bondgraph.diagnosis.evidence.confidence import probability
 from bondgraph.diagnosis.evidence.decision import (
     NAMED_SHARE,
-    alternatives_to,
     best_supported,
 )
 from bondgraph.diagnosis.evidence.gain import Gain, beside_earlier, compare

@@ -11,8 +11,11 @@ from bondgraph.diagnosis.answer.passed_once import (
 )
 from bondgraph.diagnosis.answer.wording import finding_statement, listed
 from bondgraph.diagnosis.candidates import CURVE
+from bondgraph.diagnosis.evidence.alternatives import (
+    alternatives_to,
+    curves_as_good,
+)
 from bondgraph.diagnosis.evidence.confidence import beyond_resampling
-from bondgraph.diagnosis.evidence.decision import alternatives_to, curves_as_good
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE
 from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.evidence.numbers import none_told
