@@ -1,9 +1,8 @@
-"""A store's free curve: one that falls is a spring's, one passed once may be time's."""
+"""A store's free curve: one that falls is none but of a spring."""
 
 import numpy as np
 
 from bondgraph import BondGraph, C, R, Recording, Sf, bind_to
-from bondgraph.diagnosis.answer.passed_once import passes_once
 from bondgraph.diagnosis.candidates import Candidate, propose_all
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, restored
 from bondgraph.diagnosis.search.trials.worth import (
@@ -40,14 +39,14 @@ def mast():
     return g.finish(), "speed", "m/s", "force", "N"
 
 
-def as_answers(machine, heights, push=PUSH):
+def as_answers(machine, heights):
     """Return the candidate whose store answers along its law and these heights."""
     graph, source, unit, output, read = machine
     answer, own = np.zeros(TIME.size), 0.0
-    for k, now in enumerate(push):
+    for k, now in enumerate(PUSH):
         answer[k] = own
         own += (now - own / 2.0) / 20.0
-    channels = {source: (push, unit), output: (answer, read)}
+    channels = {source: (PUSH, unit), output: (answer, read)}
     bound = [bind_to(graph, Recording.from_arrays("run", TIME, channels))]
     base = fit_model(graph, bound, FitSettings())
     laws = propose_all(base, [UnknownRelation()])
@@ -72,8 +71,3 @@ def test_a_block_does_not_cool_as_it_takes_heat():
 
 def test_a_spring_may_push_less_the_further_it_is_bent():
     assert not is_negative_store(as_answers(mast(), 20.0 * WAVES)[1])
-
-
-def test_a_curve_along_what_comes_back_is_none_of_time():
-    assert not passes_once(as_answers(block(), RISING)[1])
-    assert passes_once(as_answers(block(), RISING, np.ones(TIME.size))[1])

@@ -4,11 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from bondgraph.diagnosis.answer.evidence_shown import hardly_supported, shown
-from bondgraph.diagnosis.answer.passed_once import (
-    AS_OF_TIME,
-    MAY_BE_TIME,
-    passes_once,
-)
 from bondgraph.diagnosis.answer.wording import finding_statement, listed
 from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence.alternatives import (
@@ -66,7 +61,6 @@ def findings_of(
         curves = curves_as_good(chosen, found.judged, options.rule)
         alike = [one.place for one in curves if one.physics == chosen.physics]
         rivals = () if alike else curves
-        once = passes_once(chosen.candidate)
         finding = _finding(chosen, close, alike, after, proportion)
         findings.append(
             replace(
@@ -75,7 +69,6 @@ def findings_of(
                 + nearest(found)
                 + comes_near(near)
                 + _as_well(rivals)
-                + (AS_OF_TIME if once else "")
                 + (MENDS_SHAPE if share < MERE_SHAPE else ""),
                 alternatives=(
                     *(shown(j, held_out) for j in close),
@@ -83,7 +76,7 @@ def findings_of(
                     *(shown(one, held_out) for one in rivals[:1]),
                     *hardly_supported(found, options, held_out),
                 ),
-                probability=_sure(found, MAY_BE_TIME * share if once else share),
+                probability=_sure(found, share),
             )
         )
         others[finding.element] = close
