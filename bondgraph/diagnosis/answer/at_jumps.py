@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.answer.wording import hedged
+from bondgraph.diagnosis.answer.doubt import less_probable
 from bondgraph.diagnosis.records import Finding
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.fitting.estimate import FittedModel
@@ -62,11 +62,7 @@ def _told(finding: Finding, share: float) -> Finding:
         "input jumps: what that did between two samples was not recorded, and may be "
         "all there is. Sample faster, or record the command and hold it."
     )
-    if finding.probability is None:
-        return replace(finding, statement=statement)
-    return replace(
-        finding, statement=hedged(statement), probability=LEFT * finding.probability
-    )
+    return less_probable(replace(finding, statement=statement), LEFT)
 
 
 def explained_at_jumps(before: FittedModel, after: FittedModel) -> float:
@@ -96,9 +92,16 @@ def after_jumps(shots: Shots) -> NDArray[np.bool_]:
     """Return which samples an input jumps to, or are the next after these, (n,)."""
     inside = np.ones(len(shots.time), dtype=bool)
     inside[np.array(shots.edges[:-1])] = False
-    moved = np.abs(np.diff(shots.inputs, axis=0, prepend=shots.inputs[:1]))
-    through = np.ptp(shots.inputs, axis=0)
-    jumped = inside & (moved > JUMP * np.where(through > 0.0, through, np.inf)).any(1)
+    jumped = inside & jumps_in(shots.inputs)
     following = np.concatenate([[False], jumped[:-1]])
     near: NDArray[np.bool_] = jumped | (following & inside)
     return near
+
+
+def jumps_in(inputs: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which samples an input jumps to, (n,)."""
+    moved = np.abs(np.diff(inputs, axis=0, prepend=inputs[:1]))
+    through = np.ptp(inputs, axis=0)
+    far = JUMP * np.where(through > 0.0, through, np.inf)
+    jumped: NDArray[np.bool_] = np.any(moved > far, axis=1)
+    return jumped

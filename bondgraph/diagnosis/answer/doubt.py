@@ -66,7 +66,7 @@ def doubted(
     for finding in findings:
         if is_hollow(finding):
             believed *= HOLLOW  # What is found later is built on it.
-        told.append(_less_probable(finding, min(believed, _beside_curves(finding))))
+        told.append(less_probable(finding, min(believed, _beside_curves(finding))))
     return told
 
 
@@ -79,7 +79,7 @@ def _beside_curves(finding: Finding) -> float:
     return EVEN_CHANCE if elsewhere else COMES_NEAR
 
 
-def _less_probable(finding: Finding, share: float) -> Finding:
+def less_probable(finding: Finding, share: float) -> Finding:
     """Return a finding of which only that share of its probability is left."""
     if finding.probability is None:
         return finding

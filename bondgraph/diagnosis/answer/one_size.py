@@ -15,7 +15,8 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.answer.wording import hedged
+from bondgraph.diagnosis.answer.at_jumps import jumps_in
+from bondgraph.diagnosis.answer.doubt import less_probable
 from bondgraph.diagnosis.candidates import CURVE, Candidate
 from bondgraph.diagnosis.drawn_laws import argument_of
 from bondgraph.diagnosis.evidence.judged import TYPICAL
@@ -29,11 +30,14 @@ from bondgraph.structure.signals import e, f, p, q, signals_in
 
 Array = NDArray[np.float64]
 
-JUMP, STILL = 0.1, 0.02
-"""Of all that an input goes through: what it steps by, and moves by between steps."""
+STILL = 0.02
+"""Of all that an input goes through: it moves by no more between two steps."""
 
 ONCE = 1.5
 """Who travels less than so many times his range comes hardly anywhere twice."""
+
+GAP = 10.0
+"""So many steps of time from a sample to the next another recording begins."""
 
 COUNTS = 0.3
 """A step that moves an output by less than this share of the largest was cut short."""
@@ -70,26 +74,20 @@ def doubted_in_one_size(
     made = [one.candidate for one in made_in(rounds)]
     alike = bool(made) and all_alike(made[-1].fitted)
     told: list[Finding] = []
-    said = AS_WELL
+    why = AS_WELL  # It is said once.
     for finding, one in zip(findings, made, strict=True):
-        doubted = _is_doubted(one, finding, alike=alike)
-        told.append(_told(finding, said) if doubted else finding)
-        said = "" if doubted else said
+        if _is_doubted(one, finding, alike=alike):
+            said = replace(finding, statement=finding.statement + why)
+            told.append(less_probable(said, LEFT))
+            why = ""
+        else:
+            told.append(finding)
     return told
 
 
 def _is_doubted(candidate: Candidate, finding: Finding, *, alike: bool) -> bool:
     typical = finding.physics in TYPICAL.get(finding.domain, frozenset())
     return (alike and not typical and bends(candidate)) or passes_once(candidate)
-
-
-def _told(finding: Finding, why: str) -> Finding:
-    said = finding.statement + why
-    if finding.probability is None:
-        return replace(finding, statement=said)
-    return replace(
-        finding, statement=hedged(said), probability=LEFT * finding.probability
-    )
 
 
 def bends(candidate: Candidate) -> bool:
@@ -131,28 +129,23 @@ def all_alike(fitted: FittedModel) -> bool:
 def _steps(time: Array, inputs: Array) -> list[slice] | None:
     """Return where the inputs stand still; None where they move otherwise."""
     ahead = np.diff(time)
-    begins = (ahead <= 0.0) | (ahead > 10.0 * np.median(ahead))
-    through = np.ptp(inputs, axis=0)
-    moved = np.abs(np.diff(inputs, axis=0)) > JUMP * through
-    cuts = np.flatnonzero(begins | (moved & (through > 0.0)).any(axis=1)) + 1
-    edges = [0, *cuts.tolist(), len(time)]
-    steps = [slice(a, b) for a, b in pairwise(edges)]
-    still = all(
-        (np.ptp(inputs[step], axis=0) <= STILL * through).all() for step in steps
-    )
+    another = (ahead <= 0.0) | (ahead > GAP * np.median(ahead))
+    cuts = np.flatnonzero(another | jumps_in(inputs)[1:]) + 1
+    steps = [slice(a, b) for a, b in pairwise([0, *cuts.tolist(), len(time)])]
+    most = STILL * np.ptp(inputs, axis=0)
+    still = all((np.ptp(inputs[step], axis=0) <= most).all() for step in steps)
     return steps if still else None
 
 
 def _is_alike(steps: Sequence[Array]) -> bool:
     """Return whether an output goes one way in each step, and so far in all."""
-    sizes = [_range(step) for step in steps]
-    counted = [size for size in sizes if size >= COUNTS * max(sizes)]
+    least = COUNTS * max(map(_range, steps))
+    counted = [step for step in steps if _range(step) >= least]
+    sizes = [_range(step) for step in counted]
     one_way = all(
-        _way(step) <= ONCE * size
-        for step, size in zip(steps, sizes, strict=True)
-        if size >= COUNTS * max(sizes)
+        _way(step) <= ONCE * size for step, size in zip(counted, sizes, strict=True)
     )
-    return one_way and max(counted) <= ALIKE * min(counted)
+    return one_way and max(sizes) <= ALIKE * min(sizes)
 
 
 def _range(values: Array) -> float:
