@@ -1,15 +1,16 @@
 """A store's free curve: one that falls is none but of a spring."""
 
 import numpy as np
+from judged_candidates import BASE, RULE
 
 from bondgraph import BondGraph, C, R, Recording, Sf, bind_to
 from bondgraph.diagnosis.candidates import Candidate, propose_all
+from bondgraph.diagnosis.evidence.judged import judge
+from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
+from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.trials.judging import stable
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, restored
-from bondgraph.diagnosis.search.trials.worth import (
-    NEGATIVE,
-    is_negative_store,
-    worth_judging,
-)
+from bondgraph.diagnosis.search.trials.worth import NEGATIVE, is_negative_store
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.unknown import UnknownRelation
 
@@ -53,7 +54,7 @@ def as_answers(machine, heights):
     (law,) = (one for one in laws if "holds along" in one.words)
     numbers = dict(zip(law.strengths, heights, strict=True))
     fitted = restored(base, Trial(law, (Start({**base.values, **numbers}),)))
-    return base, Candidate(law, fitted, len(heights)), bound
+    return Candidate(law, fitted, len(heights))
 
 
 RISING = 0.3 * np.linspace(0.0, 1.0, 8) ** 2
@@ -61,13 +62,16 @@ WAVES = 0.8 * np.sin(np.arange(8.0) * 2.0)
 
 
 def test_a_block_does_not_cool_as_it_takes_heat():
-    assert not is_negative_store(as_answers(block(), RISING)[1])
-    base, falling, bound = as_answers(block(), WAVES)
+    assert not is_negative_store(as_answers(block(), RISING))
+    falling = as_answers(block(), WAVES)
     assert is_negative_store(falling)
-    kept, (rejected,) = worth_judging(base, [falling], bound)
-    assert not kept
-    assert rejected.reason == NEGATIVE
+    after = LeftOutErrors(0.1 * BASE.chunks)
+    believed = judge(falling, BASE, after, 1.0, RULE)
+    assert believed.support is Support.SUPPORTED
+    refuted = stable(believed)
+    assert refuted.support is Support.REFUTED
+    assert refuted.reason == NEGATIVE
 
 
 def test_a_spring_may_push_less_the_further_it_is_bent():
-    assert not is_negative_store(as_answers(mast(), 20.0 * WAVES)[1])
+    assert not is_negative_store(as_answers(mast(), 20.0 * WAVES))

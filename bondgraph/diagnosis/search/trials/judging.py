@@ -18,6 +18,7 @@ from bondgraph.diagnosis.evidence.left_out import (
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, errors_left_out
+from bondgraph.diagnosis.search.trials.worth import NEGATIVE, is_negative_store
 
 Array = NDArray[np.float64]
 TWINS = 1e-3
@@ -77,10 +78,17 @@ def judge_all(
     seen = errors_of(bench, [worth[i] for i in kinds], chunks, noise)
     errors = dict(zip(kinds, seen, strict=True))
     judged = [
-        judge(candidate, before, errors[i], tried, rule)
+        stable(judge(candidate, before, errors[i], tried, rule))
         for i, candidate in zip(first, worth, strict=True)
     ]
     return decide([*earlier.judged, *judged], before, rule, fault)
+
+
+def stable(judged: Judged) -> Judged:
+    """Return a candidate, refuted where a store that is no spring would give less."""
+    if not is_negative_store(judged.candidate):
+        return judged
+    return replace(judged, support=Support.REFUTED, reason=NEGATIVE)
 
 
 def errors_of(

@@ -1,7 +1,6 @@
 """What is worth judging: laws that are there, determined, and remember if they must."""
 
 from collections.abc import Sequence
-from itertools import compress
 
 import numpy as np
 
@@ -47,14 +46,10 @@ def worth_judging(
     recordings: Sequence[BoundRecording],
 ) -> tuple[list[Candidate], tuple[Rejected, ...]]:
     """Return the candidates worth judging, and the others with their reasons."""
-    negative = [is_negative_store(one) for one in candidates]
-    stable = [c for c, is_one in zip(candidates, negative, strict=True) if not is_one]
-    unstable = compress((one.hypothesis for one in candidates), negative)
-    there, vanished = without_vanished(stable)
+    there, vanished = without_vanished(candidates)
     known, undetermined = determined(base, there)
     worth, forgetful = remembering(base, known, recordings)
-    falling = (Rejected(hypothesis, NEGATIVE) for hypothesis in unstable)
-    return worth, (*vanished, *undetermined, *forgetful, *falling)
+    return worth, (*vanished, *undetermined, *forgetful)
 
 
 def fault_of(
