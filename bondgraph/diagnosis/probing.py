@@ -208,7 +208,7 @@ def _interval(shots: Shots) -> float:
     return float(np.median(steps)) if steps.size else 0.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class RecoveredSignal:
     """The missing effort (1-junction) or flow (0-junction) at one place.
 

@@ -114,7 +114,7 @@ class Comparison:
     after: Score
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Trace:
     """One output channel of one held-out recording: measured, before and after.
 
@@ -131,7 +131,7 @@ class Trace:
     steady: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LawCurve:
     """Another law that was judged at the same place, as it was fitted there."""
 
@@ -140,7 +140,7 @@ class LawCurve:
     value: NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RecoveredLaw:
     """The missing effort (or flow) recovered at a place, against a local variable.
 

@@ -35,7 +35,7 @@ TOLD_STD = 0.1
 REPAIR_ITERATIONS = 4
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Optimum:
     """Where the iteration ended.
 

@@ -29,7 +29,7 @@ begun in states that are far from the machine's.
 """
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class WholeSimulation:
     """A model run through recordings, each from one estimated initial state.
 

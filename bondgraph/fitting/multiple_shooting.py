@@ -32,7 +32,7 @@ ATTEMPTS = 6
 SETTLES = 20
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Point:
     """θ and states, with the normal equations of data and gaps there.
 
@@ -50,7 +50,7 @@ class _Point:
     ends: Array
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Joined:
     """The problem cut into windows that share their border samples."""
 

@@ -28,7 +28,7 @@ PART_NUMBERS = 4_000_000
 """Sensitivities held at a time: 32 megabytes, and as much again while they are used."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FitProblem:
     """Everything a fit is made of; arrays in the model's parameter order.
 
@@ -87,7 +87,7 @@ class FitProblem:
         return replace(self, start=self.with_parameters(theta), free=nothing)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Linearisation:
     """Residuals and the normal equations of the simulation at one point.
 
@@ -111,7 +111,7 @@ class Linearisation:
     states: Array
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Part:
     """A run of windows, simulated with sensitivities.
 

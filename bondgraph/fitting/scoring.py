@@ -15,7 +15,7 @@ DIFFERENCE = 1e-4
 LONGEST = 0.5
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Climbed:
     """Where the climb ended; `information` is Fisher's, of all unknowns stacked."""
 

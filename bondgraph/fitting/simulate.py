@@ -40,7 +40,7 @@ class SolveStatus(StrEnum):
     FAILED = "The simulation did not stay finite."
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Solution:
     """A model run with recorded inputs.
 

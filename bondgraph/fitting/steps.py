@@ -19,7 +19,7 @@ from bondgraph.fitting.problem import (
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Step:
     """A step with the cost of every window, and the decrease of the sum, it promises.
 
@@ -62,7 +62,7 @@ def _gained(at: Linearisation, move: Array, shift: Array) -> Array:
     return gained
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Normal:
     """Normal equations of θ, and how each window's initial state follows a step."""
 

@@ -29,7 +29,7 @@ Function = Callable[[FloatArray], FloatArray]
 Bounds = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Search:
     """A function of ν and bounds of its slope d/d ln ν on intervals.
 

@@ -44,7 +44,7 @@ class Slopes(NamedTuple):
         return steep, np.maximum(np.abs(c), np.abs(d))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Curve:
     """``gain · Π(jν - root)^order · exp(-jν delay)`` for ν > 0.
 

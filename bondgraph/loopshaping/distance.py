@@ -75,7 +75,7 @@ def _peak(loop: Curve, best: float, place: float, span: tuple[float, float]) -> 
     return Peak(value, loop.omega(place))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Disc:
     """Bounds around the middle of intervals.
 

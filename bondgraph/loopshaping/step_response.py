@@ -25,7 +25,7 @@ _SETTLED = 1e-4  # of the final value, over a whole stretch: the answer has ende
 BAND = 0.02  # of the final value, for the settling time
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StepResponse:
     """The output after a unit step of the reference at time zero.
 
@@ -103,7 +103,7 @@ def step_response(loop: Loop, *, scale: float) -> StepResponse:
     return StepResponse(time=time, output=output, final=final)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Around:
     """Forward and feedback branch in one: from the error e to y and v."""
 

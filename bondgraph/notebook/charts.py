@@ -26,7 +26,7 @@ _COLOURS = {"measured": "#888", "simulated": "#d55e00"}
 _AXIS = 'fill="currentColor" font-size="11" font-family="system-ui,sans-serif"'
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Channel:
     """One picture: the name and unit of its axis, and curves by their name."""
 

@@ -30,7 +30,7 @@ TINY = 1e-6
 NO_SUCH_POINT = "Give an operating point where its laws are defined."
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Point:
     """Values of all variables of a model: x, ẋ, z, u, u̇, p and t."""
 

@@ -36,7 +36,7 @@ MOST_DENSE_STATES = 6000
 """Four dense matrices of more states than this take over half a gigabyte."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StateSpace:
     """``ẋ = A x + B u``, ``y = C x + D u`` in SI units, with named signals.
 

@@ -78,7 +78,7 @@ _FOLDED = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Tape:
     """Operations as arrays; see the module's head.
 

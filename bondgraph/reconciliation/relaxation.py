@@ -23,7 +23,7 @@ _FARTHEST = 1e100  # no value beyond is looked at
 _TOLERANCE = 1e-9  # relative width by which ranges may miss each other
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Cost:
     """What is made least: weighted distances from `origin`, plus a linear part.
 
@@ -41,7 +41,7 @@ class Cost:
         return float(distance + here @ self.linear)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Relaxed:
     """The cheapest point of a relaxation; `doubt` is how loose it is per variable."""
 

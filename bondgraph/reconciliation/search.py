@@ -34,7 +34,7 @@ class Found(StrEnum):
     UNDECIDED = "undecided"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Answer:
     """The cheapest point found; `proven` if no box could hold a cheaper one."""
 
@@ -111,7 +111,7 @@ class _Tree:
         return halves
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Tangents:
     """Values of all variables at a point of the quantities, and their slopes."""
 

@@ -32,7 +32,7 @@ JUMPS = 4.0
 """A change so many times as large as 95 of 100 others is a jump."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Held:
     """Which rows repeat a reading, and how many rows there are to one, typically."""
 

@@ -64,7 +64,7 @@ class Chart:
     band: tuple[float, float] | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Curve:
     """The numbers of one line, before they are drawn."""
 

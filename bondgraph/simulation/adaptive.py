@@ -23,7 +23,7 @@ MOST_STEPS = 100_000
 NEAR = 1e-7
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Piece:
     """What one integration gave: states and unknowns at the times reached."""
 

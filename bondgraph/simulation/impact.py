@@ -26,7 +26,7 @@ CLOSE = 1e-13  # of the largest impulse, to which the impulses are found
 ROUNDING = 1e-12  # of what a complementarity problem is made of
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Instant:
     """Time, inputs and their rates."""
 
@@ -35,7 +35,7 @@ class Instant:
     rates: Array
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Response:
     """How a state answers to pushes at its contacts, all gaps open.
 
@@ -148,7 +148,7 @@ class ImpactLaw:
             )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Watched:
     """What is told of contacts beside the outputs, ``[contact]`` or ``[state]``."""
 

@@ -19,7 +19,7 @@ InputFunction = Callable[[float], float]
 NEAR = 1e-6  # of the span of time, to differentiate a function of time
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Inputs:
     """All inputs of one run.
 

@@ -25,7 +25,7 @@ WORTH_OPTIMISING = 20_000
 """Samples; a fit to fewer ends before optimised code has won back its time."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Windows:
     """What is simulated: samples laid end to end, their edges, initial states."""
 
@@ -35,7 +35,7 @@ class Windows:
     initial: Array
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class NativeRun:
     """Outputs, states and sensitivities as in `Shooting`; samples done per window."""
 

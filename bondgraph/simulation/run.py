@@ -29,7 +29,7 @@ from bondgraph.structure.graph import FinishedGraph
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Run:
     """A model run on a grid of samples.
 
@@ -174,7 +174,7 @@ def _start(model: NumericModel, initial: Mapping[str, float]) -> Array:
     return np.array([*states, *(0.0 for _ in ACCOUNTS)])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Case:
     """A model with its numbers, ready to be run by any solver."""
 

@@ -13,7 +13,7 @@ from bondgraph.simulation.trouble import Trouble
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Shots:
     """Windows of recordings laid end to end.
 
@@ -66,7 +66,7 @@ class Shots:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Shooting:
     """What simulating all windows gave.
 

@@ -37,7 +37,7 @@ class SparseStatus(StrEnum):
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SparseSolution:
     """A large model run on a grid of samples.
 

@@ -19,7 +19,7 @@ TRAIN, HELD_OUT = "recordings/train.csv", "recordings/held_out.csv"
 READING, CHECKS, README = "reading.toml", "checks.toml", "README.md"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Start:
     """A machine to start from.
 

@@ -23,7 +23,7 @@ STABLE = 0.9995
 RUN_IN = 2000
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Autoregression:
     """``e_k = Σ a_i e_{k-i} + innovation``, given by its reflection coefficients.
 

@@ -11,7 +11,7 @@ from bondgraph.diagnosis.virtual.chain import Chain
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class NoiseModel:
     """Everything that noise is drawn from.
 

@@ -24,7 +24,7 @@ FEW = 200
 COARSE = (0.0, 0.5, 1.0)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Family:
     """Columns (n, ny, m) with the words for them."""
 

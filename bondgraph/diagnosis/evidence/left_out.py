@@ -29,7 +29,7 @@ LOST = 1e12
 """The squared error at samples where the model could not be simulated."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class LeftOutErrors:
     """What a model that was not fitted to them does on the chunks of a recording.
 

@@ -29,7 +29,7 @@ BEYOND = 3.0
 """An output may leave the range seen so far by this factor."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Contest:
     """Fitted alternatives, with what is known of them and what hides a difference.
 

@@ -30,7 +30,7 @@ from bondgraph.structure.signals import Signal
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Behaviour:
     """What one alternative does under an input, and how it could adjust.
 

@@ -30,7 +30,7 @@ class Form(StrEnum):
     PERIODIC = "a sine of"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LocalVariable:
     """A variable at a place, one value per sample.
 
@@ -43,7 +43,7 @@ class LocalVariable:
     values: Array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LocalLaw:
     """A family of laws: columns whose combinations are the curves of one variable.
 

@@ -58,7 +58,7 @@ REFINED, PASSES = 2, 2
 """So many laws per place are repeated so many times on the states they give."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Setting:
     """What all places share."""
 
@@ -68,7 +68,7 @@ class _Setting:
     noise: Array
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Tried:
     """A law at a place with the parameters and states that go with it."""
 
@@ -77,7 +77,7 @@ class _Tried:
     states: Array
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Found:
     """One place; ``without`` is what parameters alone leave there."""
 

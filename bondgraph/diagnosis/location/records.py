@@ -27,7 +27,7 @@ class LocationStatus(StrEnum):
     NOTHING = "No law at any place predicts left-out samples better than the model."
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Relation:
     """A family of laws at a place, judged on samples it was not fitted to.
 
@@ -61,7 +61,7 @@ class Relation:
     signal: Array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlaceEvidence:
     """What is missing at one place, if it is missing there.
 
@@ -98,7 +98,7 @@ class PlaceEvidence:
         return self.relations[0]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Location:
     """Places ranked by how simply the missing signal depends on what is local.
 

@@ -33,7 +33,7 @@ BENT = 0.1
 """A fit that moved a parameter by more than this share may have bent it."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Reference:
     """Parameters, states and what is known of the parameters around them."""
 
@@ -43,7 +43,7 @@ class Reference:
     std: Array
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Settled:
     """A place smoothed from a reference, and its chain taken where that led."""
 
@@ -140,7 +140,7 @@ def _smoothed(
     return Settled(chain, smoothed, theta, reference.center, reference.std)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class First:
     """A first smoothing, over a part of long recordings: parameters and process."""
 

@@ -22,7 +22,7 @@ DEPENDENT = 1e-9
 """Directions smaller than this share of the largest are not there."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Baseline:
     """The residual and parameter sensitivities, initial states projected out.
 
@@ -209,7 +209,7 @@ def law_responses(chain: Chain, source: int, columns: Array) -> Array:
     return out
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Explained:
     """What is left per chunk when a law is fitted to the others, and the fit to all."""
 

@@ -26,7 +26,7 @@ DIFFUSE = 10.0
 """Initial states are known to so many times their own spread."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Priors:
     """What is known before the recordings speak.
 
@@ -45,7 +45,7 @@ class Priors:
     offset: Array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SmoothedSource:
     """What one place must have given.
 
@@ -74,7 +74,7 @@ class SmoothedSource:
     theta: Array
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Filter:
     """A chain with one source, scaled so that states and parameters are about one."""
 

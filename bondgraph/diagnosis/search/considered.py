@@ -33,7 +33,7 @@ TWICE = 2
 """So many stores behind resistances of their own may be found at a place."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Setting:
     """What a round of search starts from.
 

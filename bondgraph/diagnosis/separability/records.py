@@ -50,7 +50,7 @@ class SensorProposal:
         return f"Measuring the {self.quantity} at {self.place} would tell {parts}."
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Separability:
     """Which places can be told apart by which sensors.
 

@@ -31,7 +31,7 @@ GAP = 3.0
 """A step longer than this many median steps is not simulated across."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Chain:
     """A fitted model linearised along its own trajectory; see the module's head.
 

@@ -19,7 +19,7 @@ SAMPLES_PER_ORDER = 20
 LARGEST_SUM = 0.995
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Colour:
     """An autoregression of one output's residuals.
 

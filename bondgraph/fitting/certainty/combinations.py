@@ -38,7 +38,7 @@ AT_A_TIME = 10_000
 """Choices of parameters looked at together: some megabytes."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Local:
     """Parameter values and the Hessian of the data there (states eliminated)."""
 

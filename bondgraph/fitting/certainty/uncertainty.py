@@ -38,7 +38,7 @@ CORRELATIONS_PER_BLOCK = 5
 CONFIDENCE = 0.95
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Uncertainty:
     """Covariance of the free parameters, and the combinations nothing is known about.
 
@@ -57,7 +57,7 @@ class Uncertainty:
     inflation: Array
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Scores:
     """JᵀJ of the projected sensitivities, M from the colour, and scores per sample."""
 

@@ -14,7 +14,7 @@ from bondgraph.simulation.shooting import Shots
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Filtered:
     """Innovations, their variances, (n, ny), and the filtered states, (n, nx).
 
@@ -36,7 +36,7 @@ class Filtered:
         return total if math.isfinite(total) else math.inf
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Unknowns:
     """Parameters, and logarithms of the two kinds of noise."""
 
@@ -57,7 +57,7 @@ class Unknowns:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Setting:
     """What stays the same during the fit.
 

@@ -45,7 +45,7 @@ class InnovationStatus(StrEnum):
     FAILED = "The filter did not stay finite at the start values."
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class InnovationFit:
     """Parameters and noise that make the innovations most likely.
 

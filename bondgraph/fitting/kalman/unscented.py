@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 FLAT = 1e-9  # of a state's size, the least spread of points
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Beliefs:
     """Means and covariances, (n, nx) and (n, nx, nx), before and after each sample."""
 
@@ -32,7 +32,7 @@ class Beliefs:
     after: Array
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Regression:
     """A function of points as a plane: means, slopes and the covariance left."""
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Belief:
     """Mean (nx,) and covariance (nx, nx) of the states."""
 
@@ -21,7 +21,7 @@ class Belief:
     covariance: Array
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Plane:
     """A function near a point: its mean there, its slopes, and the covariance left."""
 

@@ -93,7 +93,7 @@ class Encoder:
         return self.step * math.floor(output / self.step + 0.5)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SampledRun:
     """A simulated run, one value per sample; `output` is true, `measured` was told."""
 

@@ -21,7 +21,7 @@ POINTS_PER_DECADE = 30
 BESIDE_A_RESONANCE = np.array([-3.0, -1.0, -0.3, 0.0, 0.3, 1.0, 3.0])  # half widths
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GriddedLoops:
     """Loops ``[plant, frequency]`` with one controller.
 
@@ -103,7 +103,7 @@ class GriddedLoops:
         return np.asarray(np.where(some, here, logarithm[0]))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FamilyGrid:
     """What of a family's loops does not depend on the controller, on a grid."""
 

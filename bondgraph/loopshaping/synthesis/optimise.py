@@ -123,7 +123,7 @@ def _solved(search: Search, points: Sequence[FloatArray]) -> list[FloatArray]:
     return sorted(found, key=search.merit)[:KEPT]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Candidate:
     """One controller in every loop; violations are ``[loop, requirement]``, exact."""
 

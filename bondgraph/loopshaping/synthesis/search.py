@@ -37,7 +37,7 @@ IntArray = NDArray[np.intp]
 Bounds = tuple[tuple[float, float], ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Search:
     """A family on a grid with what is asked of it.
 

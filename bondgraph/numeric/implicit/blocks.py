@@ -27,7 +27,7 @@ LARGEST_INVERTED = 64
 """Larger blocks are factorised sparsely instead of inverted densely."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Dependency:
     """Rows of a block that the block's other rows contain: ``row = weights @ others``.
 

@@ -24,7 +24,7 @@ NARROW = 16
 """Up to this many columns per row between the first entry and the diagonal."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Order:
     """A numbering of rows and columns, and how to eliminate after it."""
 
@@ -54,7 +54,7 @@ class Order:
             ) from None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Factor:
     """The factors of a matrix."""
 

@@ -40,7 +40,7 @@ class LawRow:
     reads: Mapping[sympy.Symbol, Read]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class LawGroup:
     """Rows whose expressions are equal up to names.
 

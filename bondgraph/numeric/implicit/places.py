@@ -23,7 +23,7 @@ from bondgraph.structure.graph import FinishedGraph
 Index = NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Places:
     """The incidence of a graph.
 

@@ -15,7 +15,7 @@ from bondgraph.numeric.implicit.system import ImplicitSystem
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Point:
     """Where a model is: all variables, all rates, and the linear forms around it."""
 

@@ -40,7 +40,7 @@ ROUNDING = 1e-12
 """What is smaller than this part of the terms it is the sum of, is rounding."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Reduction:
     """Efforts, flows, stored quantities and rates as linear forms of y.
 

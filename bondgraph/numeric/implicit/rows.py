@@ -34,7 +34,7 @@ from bondgraph.structure.signals import PortVariable
 Array = NDArray[np.float64]
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Entries:
     """Entries of a sparse matrix while they are being collected."""
 
@@ -279,7 +279,7 @@ class Rows:
                 self.reading_laws.append(LawRow(j, law, reads))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Signed:
     """Columns with their signs."""
 

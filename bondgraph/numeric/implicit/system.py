@@ -30,7 +30,7 @@ STEEP = 1e12
 """What an infinite slope is capped to."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ImplicitSystem:
     """A graph as sparse equations; see the module's head.
 

@@ -53,7 +53,7 @@ def base_fit(
     return finely_stepped(base, noise)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Known:
     """The model as its author knows it, and what further looks may begin from."""
 

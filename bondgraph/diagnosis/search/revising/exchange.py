@@ -57,7 +57,7 @@ class Exchanged:
         return float(self.better.errors.chunks.sum())
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Reached:
     """What a search has come to: its first model, its last, and what lies between."""
 

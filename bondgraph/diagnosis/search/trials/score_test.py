@@ -27,7 +27,7 @@ OWN = 1e-5
 """What is left of a parameter's effect beside the base model's own; less is nothing."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Score:
     """The share of the error that is promised, and of each surrogate."""
 

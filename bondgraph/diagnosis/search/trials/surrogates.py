@@ -27,7 +27,7 @@ DEPENDENT = 1e-7
 """A direction this much shorter than the longest is no direction of its own."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Baseline:
     """The base model with its residual, and what its own parameters can explain.
 

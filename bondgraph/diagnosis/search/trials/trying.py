@@ -53,7 +53,7 @@ SURE = 0.8
 UNSOLVED = "the model's equations have no unique solution with it there"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Start:
     """Where a fit starts: values by name before those of the base fit.
 
