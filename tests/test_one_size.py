@@ -9,6 +9,7 @@ import pytest
 from bondgraph import BondGraph, C, R, Recording, Sf, bind_to
 from bondgraph.diagnosis.answer.one_size import (
     AS_WELL,
+    BESIDE,
     LEFT,
     all_alike,
     bends,
@@ -96,15 +97,20 @@ def found(candidate):
 
 
 @pytest.mark.parametrize(("heat", "left"), [(SQUARE, LEFT), (SIZES, 1.0)])
-def test_what_bends_is_half_as_sure_and_a_lag_as_sure_as_before(heat, left):
+def test_what_bends_is_half_as_sure_and_what_is_found_beside_it(heat, left):
     base = heated(heat)
     bent = proposed(base, "temperature reads what is there along a bent curve")
     late = proposed(base, "temperature reads with a lag")
     findings = [finding("sensor_nonlinearity"), finding("lag")]
     first, second = doubted_in_one_size(findings, [found(bent), found(late)])
-    assert first.probability == pytest.approx(0.8 * left)
+    assert first.probability == second.probability == pytest.approx(0.8 * left)
     assert (AS_WELL in first.statement) == (left < 1.0)
-    assert second == findings[1]
+    assert (BESIDE in second.statement) == (left < 1.0)
+
+
+def test_a_lag_alone_is_as_sure_as_before():
+    late = proposed(heated(SQUARE), "temperature reads with a lag")
+    assert doubted_in_one_size([finding("lag")], [found(late)]) == [finding("lag")]
 
 
 def test_what_models_of_a_domain_leave_out_most_is_believed():

@@ -4,7 +4,7 @@ A linear machine answers a step twice as large with twice as much. Where every s
 every decay, has one size, each value is passed in one way only: a loss that grows with
 the temperature, a second store that lags behind, and whatever changes meanwhile draw
 the same curve. A law that bends is half as sure there, but where it is what models of
-its domain leave out most.
+its domain leave out most; and so is what was found beside it later.
 """
 
 from collections.abc import Sequence
@@ -60,6 +60,9 @@ AS_WELL = (
     "decays of several sizes would tell."
 )
 
+BESIDE = " Nor are there steps of several sizes to tell this."
+"""Of what was found beside such a law: the reason stands there."""
+
 
 def doubted_in_one_size(
     findings: Sequence[Finding], rounds: Sequence[Round]
@@ -74,14 +77,13 @@ def doubted_in_one_size(
     made = [one.candidate for one in made_in(rounds)]
     alike = bool(made) and all_alike(made[-1].fitted)
     told: list[Finding] = []
-    why = AS_WELL  # It is said once.
+    doubted = False
     for finding, one in zip(findings, made, strict=True):
-        if _is_doubted(one, finding, alike=alike):
-            said = replace(finding, statement=finding.statement + why)
-            told.append(less_probable(said, LEFT))
-            why = ""
-        else:
-            told.append(finding)
+        bent = _is_doubted(one, finding, alike=alike)
+        why = "" if not (bent or doubted) else BESIDE if doubted else AS_WELL
+        said = replace(finding, statement=finding.statement + why)
+        told.append(less_probable(said, LEFT) if why else finding)
+        doubted = doubted or bent
     return told
 
 

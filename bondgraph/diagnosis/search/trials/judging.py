@@ -17,8 +17,8 @@ from bondgraph.diagnosis.evidence.left_out import (
 )
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.trials.bench import Bench
+from bondgraph.diagnosis.search.trials.impossible import impossible
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, errors_left_out
-from bondgraph.diagnosis.search.trials.worth import NEGATIVE, is_negative_store
 
 Array = NDArray[np.float64]
 TWINS = 1e-3
@@ -85,10 +85,11 @@ def judge_all(
 
 
 def stable(judged: Judged) -> Judged:
-    """Return a candidate, refuted where a store that is no spring would give less."""
-    if not is_negative_store(judged.candidate):
+    """Return a candidate, refuted where no element has such a curve."""
+    reason = impossible(judged.candidate)
+    if reason is None:
         return judged
-    return replace(judged, support=Support.REFUTED, reason=NEGATIVE)
+    return replace(judged, support=Support.REFUTED, reason=reason)
 
 
 def errors_of(

@@ -1,4 +1,4 @@
-"""A store's free curve: one that falls is none but of a spring."""
+"""Curves that no element has: a store that gives less, a loss that gives back."""
 
 import numpy as np
 from judged_candidates import BASE, RULE
@@ -8,9 +8,13 @@ from bondgraph.diagnosis.candidates import Candidate, propose_all
 from bondgraph.diagnosis.evidence.judged import judge
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.trials.impossible import (
+    NEGATIVE_LOSS,
+    NEGATIVE_STORE,
+    impossible,
+)
 from bondgraph.diagnosis.search.trials.judging import stable
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, restored
-from bondgraph.diagnosis.search.trials.worth import NEGATIVE, is_negative_store
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.unknown import UnknownRelation
 
@@ -62,16 +66,45 @@ WAVES = 0.8 * np.sin(np.arange(8.0) * 2.0)
 
 
 def test_a_block_does_not_cool_as_it_takes_heat():
-    assert not is_negative_store(as_answers(block(), RISING))
+    assert not impossible(as_answers(block(), RISING))
     falling = as_answers(block(), WAVES)
-    assert is_negative_store(falling)
+    assert impossible(falling) == NEGATIVE_STORE
     after = LeftOutErrors(0.1 * BASE.chunks)
     believed = judge(falling, BASE, after, 1.0, RULE)
     assert believed.support is Support.SUPPORTED
     refuted = stable(believed)
     assert refuted.support is Support.REFUTED
-    assert refuted.reason == NEGATIVE
+    assert refuted.reason == NEGATIVE_STORE
 
 
 def test_a_spring_may_push_less_the_further_it_is_bent():
-    assert not is_negative_store(as_answers(mast(), 20.0 * WAVES))
+    assert not impossible(as_answers(mast(), 20.0 * WAVES))
+
+
+def fanned(heights):
+    """Return the candidate whose loss a fan steers along these heights."""
+    g = BondGraph("fanned block", domain="thermal")
+    g.zero("block", Sf("heater"), C("capacity"), R("loss"))
+    g.one("air", Sf("fan"), domain="analogue")
+    g.measure("temperature", effort="block")
+    g.parameter("capacity", 20.0, "J/K", bounds=(1, 100))
+    g.parameter("loss", 2.0, "K/W", bounds=(0.1, 100))
+    graph, fan = g.finish(), 0.5 + 0.5 * np.sin(TIME / 30.0)
+    warm = 2.0 * (1.0 - np.exp(-TIME / 40.0))
+    channels = {
+        "heater": (np.ones(TIME.size), "W"),
+        "fan": (fan, "1"),
+        "temperature": (warm, "K"),
+    }
+    bound = [bind_to(graph, Recording.from_arrays("run", TIME, channels))]
+    base = fit_model(graph, bound, FitSettings())
+    laws = propose_all(base, [UnknownRelation()])
+    (law,) = (one for one in laws if one.words == "loss changes with fan")
+    numbers = dict(zip(law.strengths, heights, strict=True))
+    fitted = restored(base, Trial(law, (Start({**base.values, **numbers}),)))
+    return Candidate(law, fitted, len(heights))
+
+
+def test_a_loss_that_something_steers_does_not_give_back():
+    assert impossible(fanned([0.5, 0.0, -0.3, -0.9])) is None
+    assert impossible(fanned([0.5, 0.0, -1.0, -3.0])) == NEGATIVE_LOSS

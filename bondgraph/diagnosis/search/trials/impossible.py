@@ -1,0 +1,64 @@
+"""Curves that no element has: a store that gives less, a loss that gives back.
+
+A free curve follows what is missing wherever it leads. Where that is no law of the
+element the curve bends along with something else, most often with time.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.diagnosis.candidates import CURVE, Candidate
+from bondgraph.diagnosis.drawn_laws import curve_of
+from bondgraph.physics.hypothesis import Shape
+from bondgraph.physics.places.base import MECHANICAL
+from bondgraph.structure.elements import Compliance, Inertance, Resistance
+from bondgraph.structure.signals import signals_in
+
+Array = NDArray[np.float64]
+TOO_MUCH = 0.25
+"""A store whose curve falls by more than this share of what it rises has a negative
+capacity somewhere; less is how few knots follow what is flat. So is a resistance that
+turns negative by no more than this share of its largest.
+"""
+NEGATIVE_STORE = (
+    "somewhere it would give less the more it holds, as no store but a spring does: "
+    "what it holds stands for the time there"
+)
+NEGATIVE_LOSS = (
+    "somewhere it would give back power, as no loss does: what steers it there stands "
+    "for something else"
+)
+
+
+def impossible(candidate: Candidate) -> str | None:
+    """Return why no element has the curve of a candidate; None where one may."""
+    hypothesis = candidate.hypothesis
+    shape = hypothesis.shape
+    if hypothesis.physics != CURVE or shape is None:
+        return None
+    match candidate.fitted.graph.by_name.get(hypothesis.element):
+        case Compliance() | Inertance() if not _is_mechanical(candidate):
+            steps = np.diff(_drawn(candidate, shape))
+            rises, falls = steps[steps > 0.0].sum(), -steps[steps < 0.0].sum()
+            return NEGATIVE_STORE if falls > TOO_MUCH * rises else None
+        case Resistance() if _is_steered(shape, hypothesis.place):
+            factor = _drawn(candidate, shape)
+            turned = factor.min() < -TOO_MUCH * np.abs(factor).max()
+            return NEGATIVE_LOSS if turned else None
+    return None
+
+
+def _drawn(candidate: Candidate, shape: Shape) -> Array:
+    """Return the curve over what it goes along, as far as that has been."""
+    return curve_of(candidate.fitted, shape.argument, shape.value)[1]
+
+
+def _is_mechanical(candidate: Candidate) -> bool:
+    """Return whether a place is one of springs, which may push less the further."""
+    domains = candidate.fitted.graph.domains_at(candidate.hypothesis.place)
+    return bool({domain.name for domain in domains} & MECHANICAL)
+
+
+def _is_steered(shape: Shape, place: str) -> bool:
+    """Return whether a curve is one of what is elsewhere: it is a factor then."""
+    return all(signal.place != place for signal in signals_in(shape.argument))
