@@ -14,7 +14,10 @@ from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.fitting.horizon import WholeRecordings
 from bondgraph.physics.drag import QuadraticDrag
-from bondgraph.physics.friction import CoulombFriction
+from bondgraph.physics.friction import (
+    CoulombFriction,
+    DirectionDependentFriction,
+)
 from bondgraph.physics.hysteresis import DahlHysteresis
 from bondgraph.physics.places.everywhere import all_places
 
@@ -110,3 +113,12 @@ def test_a_memory_of_next_to_no_way_is_dry_friction(bench, times):
     dry = times <= 1.0
     assert told.physics == ("coulomb_friction" if dry else "hysteresis")
     assert ("holds at rest" in told.words) is dry
+
+
+@pytest.mark.parametrize("asymmetry", [-0.1, -0.01, 0.01, 0.1])
+def test_dry_friction_that_is_alike_both_ways_is_coulomb_friction(bench, asymmetry):
+    law = proposed(bench, DirectionDependentFriction())
+    told = law.told_with({"asymmetry_joint": asymmetry})
+    alike = abs(asymmetry) < 0.02
+    assert (told.physics == "coulomb_friction") is alike
+    assert ("of constant size" in told.words) is alike

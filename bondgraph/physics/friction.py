@@ -1,6 +1,7 @@
 """Friction at a 1-junction: an effort against the flow."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from types import MappingProxyType
 
 import sympy
@@ -11,7 +12,12 @@ from bondgraph.physics.dry_friction import (
     direction,
     the_same,
 )
-from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.hypothesis import (
+    AbstractPhysics,
+    Hypothesis,
+    Limit,
+    Passivity,
+)
 from bondgraph.physics.places.base import (
     FLUID,
     MECHANICAL,
@@ -23,6 +29,9 @@ from bondgraph.physics.places.junction import OneJunctionPlace
 from bondgraph.structure.domains import ELECTRICAL
 from bondgraph.structure.elements import Resistance
 from bondgraph.structure.signals import f
+
+ALIKE = 0.02
+"""Dry friction that differs by no more between the directions is alike in both."""
 
 
 class ViscousFriction(AbstractPhysics):
@@ -122,15 +131,20 @@ class DirectionDependentFriction(AbstractPhysics):
         law = c.symbol * (sign + share.symbol * sympy.Abs(sign)) * slow.factor
         coefficients = (c, share, *slow.coefficients, width)
         element = Resistance(place.name_of(self.word), law=law)
-        return self.hypothesis(
+        found = self.hypothesis(
             place,
             place.insert(element, *coefficients),
             law,
             coefficients,
             f"{place.a(E)} against the motion, larger ahead by a share (asymmetry) "
             f"of its mean size, smaller back{slow.words}",
-            extends=slow.extending(self.word, "coulomb_friction"),
+            extends=slow.extending(self.word, CoulombFriction.word),
         )
+        if slow.words:
+            return found
+        alike = CoulombFriction.sentence.format(an_effort=place.a(E))
+        limit = Limit(share.name, ALIKE, CoulombFriction.word, alike)
+        return replace(found, limit=limit)
 
 
 class StribeckFriction(AbstractPhysics):

@@ -47,7 +47,7 @@ class Limit:
     Parameters
     ----------
     parameter, least
-        The number of it that has come down to no more than this.
+        The number of it whose size has come down to no more than this.
     physics, words
         Of the plainer law.
     """
@@ -181,7 +181,7 @@ class Hypothesis:
     def told_with(self, values: Mapping[str, float]) -> "Hypothesis":
         """Return how it is told with the numbers of a fit: at its limit as another."""
         limit = self.limit
-        if limit is None or values[limit.parameter] > limit.least:
+        if limit is None or abs(values[limit.parameter]) > limit.least:
             return self
         return replace(self, physics=limit.physics, words=limit.words)
 
