@@ -1,6 +1,7 @@
 """Making: what a round chose is added, replaces an earlier law, or is given up.
 
-Where it found no law with a name, two are tried at once.
+Where it found no law with a name, two are tried at once; and one law at two like places
+where the first one it found, from a model that has run away, leaves much.
 """
 
 from collections.abc import Mapping, Sequence
@@ -9,6 +10,8 @@ from dataclasses import replace
 from bondgraph.diagnosis.candidates import CURVE, Candidate
 from bondgraph.diagnosis.evidence.judged import Rule
 from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.base.beyond_noise import left_beside
+from bondgraph.diagnosis.search.base.runaway import run_away
 from bondgraph.diagnosis.search.considered import Setting
 from bondgraph.diagnosis.search.pairs.together import explained, two_rounds
 from bondgraph.diagnosis.search.revising.exchange import Exchanged, Reached, exchanged
@@ -25,6 +28,11 @@ Made = tuple[tuple[Round, ...], FittedModel, tuple[Hypothesis, ...]]
 NAMES_TWO = 0.8
 """Two laws with names leave less than this share of what a curve leaves, to be told in
 its place: two wrong ones come near to any curve.
+"""
+
+MUCH_LEFT = 0.25
+"""From a model that has run away, the first law that leaves more than this share may be
+one that mends its numbers: two that hide each other, both gauges late, leave less.
 """
 
 
@@ -56,14 +64,28 @@ def or_two(
     authored: Mapping[str, Parameter],
     shop: Workshop,
 ) -> Made:
-    """Return what was made of a round, or two laws where it found none with a name."""
+    """Return what was made of a round, or two laws where these explain far more.
+
+    They are tried where it found none with a name, or one that may only mend: then
+    those of one kind alone.
+    """
     ((found,), _, _) = one
-    if found.chosen is not None and found.chosen.physics != CURVE:
+    chosen = found.chosen
+    named = chosen is not None and chosen.physics != CURVE
+    if named and not _may_mend(setting, found):
         return one
-    two = _two_made(setting, reached, found, authored, shop)
+    two = _two_made(setting, reached, found, authored, shop, kindred=named)
     left, left_by_two = 1.0 - explained(one[0]), 1.0 - explained(two[0])
-    instead = found.chosen is None or left_by_two < NAMES_TWO * left
+    instead = chosen is None or left_by_two < NAMES_TWO * left
     return two if instead else one
+
+
+def _may_mend(setting: Setting, found: Round) -> bool:
+    """Return whether what a round chose may only mend what has run away."""
+    if found.chosen is None or not setting.is_first or not run_away(setting.base):
+        return False
+    fitted = found.chosen.candidate.fitted
+    return left_beside(setting.base, fitted, setting.noise) > MUCH_LEFT
 
 
 def _two_made(
@@ -72,9 +94,12 @@ def _two_made(
     found: Round,
     authored: Mapping[str, Parameter],
     shop: Workshop,
+    *,
+    kindred: bool,
 ) -> Made:
     """Return the same where two laws are added at once; no rounds where none are."""
-    two, rule = two_rounds(setting, found, shop), setting.options.rule
+    two = two_rounds(setting, found, shop, kindred=kindred)
+    rule = setting.options.rule
     if two:
         left = _left_with(chosen_in(two), reached, authored, rule)
         if isinstance(left, Pruned):

@@ -36,13 +36,17 @@ from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.physics.names import name_of
 
 
-def two_rounds(setting: Setting, found: Round, shop: Workshop) -> tuple[Round, ...]:
+def two_rounds(
+    setting: Setting, found: Round, shop: Workshop, *, kindred: bool = False
+) -> tuple[Round, ...]:
     """Return two rounds that add one law each; none where no pair is supported.
 
     Parameters
     ----------
     found
         The round that found nothing with a name: what it tried is paired.
+    kindred
+        Whether only one law at two like places is tried: these are few.
     """
     base, rule = setting.base, setting.options.rule
     if not setting.curves or found.cut_short or shop.limit.passed:
@@ -51,7 +55,8 @@ def two_rounds(setting: Setting, found: Round, shop: Workshop) -> tuple[Round, .
         return ()
     bench = Bench.of(base, shop, f"round {setting.number}")
     everything = [one.hypothesis for one in found.promised]
-    pairing = Pairing.of(bench, promising(found.promised, setting.options), everything)
+    alone = () if kindred else promising(found.promised, setting.options)
+    pairing = Pairing.of(bench, alone, everything)
     pairs = _worth(setting, pairing)
     if not pairs:
         return ()
