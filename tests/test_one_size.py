@@ -21,6 +21,7 @@ from bondgraph.diagnosis.records import Finding
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, restored
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.library import LIBRARY
+from bondgraph.simulation.shots import Shots
 
 TIME = np.arange(800.0)
 SQUARE = np.where(TIME % 400 < 200, 1.0, 0.0)
@@ -59,6 +60,19 @@ def proposed(base, words):
 )
 def test_steps_of_one_size_are_alike_and_of_two_are_not(heat, alike):
     assert all_alike(heated(heat)) == alike
+
+
+def test_a_decay_with_a_hole_in_it_is_one():
+    fitted = heated(CONSTANT)
+    whole = fitted.problem.shots
+    kept = (TIME < 15.0) | (TIME >= 30.0)
+    shots = Shots(
+        TIME[kept], whole.inputs[kept], whole.outputs[kept], (0, int(kept.sum()))
+    )
+    holed = SimpleNamespace(
+        problem=SimpleNamespace(shots=shots), residuals=lambda: fitted.residuals()[kept]
+    )
+    assert all_alike(holed)
 
 
 def test_what_swings_as_it_decays_goes_through_all_sizes():

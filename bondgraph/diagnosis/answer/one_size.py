@@ -36,9 +36,6 @@ STILL = 0.02
 ONCE = 1.5
 """Who travels less than so many times his range comes hardly anywhere twice."""
 
-GAP = 10.0
-"""So many steps of time from a sample to the next another recording begins."""
-
 COUNTS = 0.3
 """A step that moves an output by less than this share of the largest was cut short."""
 
@@ -129,9 +126,11 @@ def all_alike(fitted: FittedModel) -> bool:
 
 
 def _steps(time: Array, inputs: Array) -> list[slice] | None:
-    """Return where the inputs stand still; None where they move otherwise."""
-    ahead = np.diff(time)
-    another = (ahead <= 0.0) | (ahead > GAP * np.median(ahead))
+    """Return where the inputs stand still; None where they move otherwise.
+
+    A decay with a hole in it is one.
+    """
+    another = np.diff(time) <= 0.0  # Another recording begins.
     cuts = np.flatnonzero(another | jumps_in(inputs)[1:]) + 1
     steps = [slice(a, b) for a, b in pairwise([0, *cuts.tolist(), len(time)])]
     most = STILL * np.ptp(inputs, axis=0)
