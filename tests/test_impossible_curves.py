@@ -1,5 +1,7 @@
 """Curves that no element has: a store that gives less, a loss that gives back."""
 
+from types import SimpleNamespace
+
 import numpy as np
 from judged_candidates import BASE, RULE
 
@@ -8,6 +10,7 @@ from bondgraph.diagnosis.candidates import Candidate, propose_all
 from bondgraph.diagnosis.evidence.judged import judge
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.laws import finer
 from bondgraph.diagnosis.search.trials.impossible import (
     NEGATIVE_LOSS,
     NEGATIVE_STORE,
@@ -16,6 +19,7 @@ from bondgraph.diagnosis.search.trials.impossible import (
 from bondgraph.diagnosis.search.trials.judging import stable
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, restored
 from bondgraph.fitting.estimate import FitSettings, fit_model
+from bondgraph.physics.smooth import Smooth
 from bondgraph.physics.unknown import UnknownRelation
 
 TIME = np.arange(400.0)
@@ -81,7 +85,7 @@ def test_a_spring_may_push_less_the_further_it_is_bent():
     assert not impossible(as_answers(mast(), 20.0 * WAVES))
 
 
-def fanned(heights):
+def fanned(heights, *, finely=False):
     """Return the candidate whose loss a fan steers along these heights."""
     g = BondGraph("fanned block", domain="thermal")
     g.zero("block", Sf("heater"), C("capacity"), R("loss"))
@@ -101,10 +105,39 @@ def fanned(heights):
     laws = propose_all(base, [UnknownRelation()])
     (law,) = (one for one in laws if one.words == "loss changes with fan")
     numbers = dict(zip(law.strengths, heights, strict=True))
+    if finely:
+        drawn = UnknownRelation(Smooth(tuple(heights), 8, 1.0))
+        law = finer._proposed(SimpleNamespace(base=base), law, drawn)
+        numbers = law.starts[0]
     fitted = restored(base, Trial(law, (Start({**base.values, **numbers}),)))
     return Candidate(law, fitted, len(heights))
 
 
 def test_a_loss_that_something_steers_does_not_give_back():
-    assert impossible(fanned([0.5, 0.0, -0.3, -0.9])) is None
-    assert impossible(fanned([0.5, 0.0, -1.0, -3.0])) == NEGATIVE_LOSS
+    assert impossible(fanned([0.5, 0.0, -0.3, -0.9], finely=True)) is None
+    turned = fanned([0.5, 0.0, -1.0, -3.0], finely=True)
+    assert impossible(turned) == NEGATIVE_LOSS
+
+
+def test_no_knot_of_a_loss_that_something_steers_may_give_back():
+    law = fanned([0.0, 0.0, 0.0, 0.0]).hypothesis
+    heights = [p for p in law.edit.parameters if p.name in law.strengths]
+    assert len(heights) == 4
+    assert all(p.bounds[0] == -1.0 for p in heights)
+
+
+def test_what_no_element_has_is_not_drawn_finely(monkeypatch):
+    broken = fanned([0.5, 0.0, -0.3, -0.9])
+    curved = fanned([0.5, 0.0, -1.0, -3.0], finely=True)
+
+    class Bench:
+        def run(self, *_):
+            return [None]
+
+        def candidates(self, *_):
+            return [self.ends]
+
+    bench = Bench()
+    monkeypatch.setattr(finer, "_proposed", lambda *_: broken.hypothesis)
+    for bench.ends, drawn in ((broken, broken), (curved, None)):
+        assert finer._drawn(bench, broken, broken, 1.0, odd=False) is drawn

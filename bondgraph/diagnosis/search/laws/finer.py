@@ -22,6 +22,7 @@ from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, left_out_errors
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.trials.bench import Bench
+from bondgraph.diagnosis.search.trials.impossible import impossible
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, fit_fully
 from bondgraph.physics.curves import BOTH_WAYS
 from bondgraph.physics.hypothesis import Hypothesis
@@ -220,7 +221,8 @@ def _drawn(
 ) -> Candidate | None:
     """Return the first curve drawn finely, fitted from where another fit has ended.
 
-    None where it cannot be: where no curve there is the same both ways, say.
+    None where it cannot be: where no curve there is the same both ways, say, or no
+    element has such a one.
     """
     values = first.fitted.values
     heights = tuple(values[name] for name in first.hypothesis.strengths)
@@ -233,7 +235,7 @@ def _drawn(
     known = {**hypothesis.starts[0], **begin.values}
     trial = Trial(hypothesis, (replace(begin, values=known),))
     found = bench.candidates([trial], bench.run(fit_fully, [trial], "a smooth curve"))
-    return found[0] if found else None
+    return None if not found or impossible(found[0]) else found[0]
 
 
 def _proposed(
