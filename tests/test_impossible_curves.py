@@ -119,13 +119,6 @@ def test_a_loss_that_something_steers_does_not_give_back():
     assert impossible(turned) == NEGATIVE_LOSS
 
 
-def test_no_knot_of_a_loss_that_something_steers_may_give_back():
-    law = fanned([0.0, 0.0, 0.0, 0.0]).hypothesis
-    heights = [p for p in law.edit.parameters if p.name in law.strengths]
-    assert len(heights) == 4
-    assert all(p.bounds[0] == -1.0 for p in heights)
-
-
 def test_what_no_element_has_is_not_drawn_finely(monkeypatch):
     broken = fanned([0.5, 0.0, -0.3, -0.9])
     curved = fanned([0.5, 0.0, -1.0, -3.0], finely=True)

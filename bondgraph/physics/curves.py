@@ -6,7 +6,6 @@ finely.
 
 from dataclasses import replace
 from itertools import pairwise
-from math import inf
 
 import numpy as np
 import sympy
@@ -56,7 +55,6 @@ def drawn(
     smooth: Smooth | None,
     level: float = 0.0,
     *,
-    low: float = -inf,
     odd: bool = False,
     bent: bool = False,
 ) -> tuple[sympy.Expr, tuple[Coefficient, ...]]:
@@ -70,8 +68,6 @@ def drawn(
         None for a broken line with a free height at every knot.
     level
         Of a second start of a broken line, the same at every knot.
-    low
-        What no height of a broken line is less than.
     odd
         Whether a smooth curve is the same both ways.
     bent
@@ -83,7 +79,7 @@ def drawn(
         return smooth_curve(place, stem, unit, x, knots, smooth)
     starts = (0.0, level) if level else (0.0,)
     heights = tuple(
-        place.strength(f"{stem}_{i}", unit, starts, low=low) for i in range(len(knots))
+        place.strength(f"{stem}_{i}", unit, starts) for i in range(len(knots))
     )
     between = _spline if bent else _interpolation
     return between(x, knots, heights), heights

@@ -172,8 +172,7 @@ def _steered(
     knots = even(channel.range, size, STEERED)
     width = place.constant(f"{stem}_width", channel.channel_unit, size)
     x = channel.signal / width.symbol
-    # Passive: no less than nothing is left of it.
-    curve, heights = drawn(place, stem, "1", x, knots, smooth, low=-1.0)
+    curve, heights = drawn(place, stem, "1", x, knots, smooth)
     law = usual * (1 + curve)
     words = f"{place.name} changes with {channel.name}"
     edit = place.replace(law, *heights, width, *own)

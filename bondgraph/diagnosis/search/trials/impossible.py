@@ -33,9 +33,9 @@ NEGATIVE_LOSS = (
 def impossible(candidate: Candidate) -> str | None:
     """Return why no element has the curve of a candidate; None where one may."""
     hypothesis = candidate.hypothesis
-    shape = hypothesis.shape
-    if hypothesis.physics != CURVE or shape is None:
+    if hypothesis.physics != CURVE or hypothesis.shape is None:
         return None
+    shape = hypothesis.shape
     match candidate.fitted.graph.by_name.get(hypothesis.element):
         case Compliance() | Inertance() if not _is_mechanical(candidate):
             steps = np.diff(_drawn(candidate, shape))
