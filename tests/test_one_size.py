@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bondgraph import BondGraph, C, R, Recording, Sf, bind_to
+from bondgraph.diagnosis.answer import one_size
 from bondgraph.diagnosis.answer.one_size import (
     AS_WELL,
     BESIDE,
@@ -16,7 +17,7 @@ from bondgraph.diagnosis.answer.one_size import (
     doubted_in_one_size,
     passes_once,
 )
-from bondgraph.diagnosis.candidates import Candidate, propose_all
+from bondgraph.diagnosis.candidates import CURVE, Candidate, propose_all
 from bondgraph.diagnosis.records import Finding
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, restored
 from bondgraph.fitting.estimate import FitSettings, fit_model
@@ -120,6 +121,17 @@ def test_what_bends_is_half_as_sure_and_what_is_found_beside_it(heat, left):
     assert first.probability == second.probability == pytest.approx(0.8 * left)
     assert (AS_WELL in first.statement) == (left < 1.0)
     assert (BESIDE in second.statement) == (left < 1.0)
+
+
+def test_beside_a_curve_of_time_what_steps_of_many_sizes_tell_is_believed(monkeypatch):
+    base = heated(SIZES)
+    curve = proposed(base, "holds along an unnamed curve")
+    late = proposed(base, "temperature reads with a lag")
+    monkeypatch.setattr(one_size, "passes_once", lambda one: one is curve)
+    findings = [finding(CURVE), finding("lag")]
+    first, second = doubted_in_one_size(findings, [found(curve), found(late)])
+    assert first.probability == pytest.approx(0.8 * LEFT)
+    assert second == findings[1]
 
 
 def test_a_lag_alone_is_as_sure_as_before():

@@ -57,7 +57,7 @@ AS_WELL = (
     "decays of several sizes would tell."
 )
 
-BESIDE = " Nor are there steps of several sizes to tell this."
+BESIDE = " Nor do they tell this from what changes with time."
 """Of what was found beside such a law: the reason stands there."""
 
 
@@ -76,11 +76,15 @@ def doubted_in_one_size(
     told: list[Finding] = []
     doubted = False
     for finding, one in zip(findings, made, strict=True):
-        bent = _is_doubted(one, finding, alike=alike)
-        why = "" if not (bent or doubted) else BESIDE if doubted else AS_WELL
-        said = replace(finding, statement=finding.statement + why)
-        told.append(less_probable(said, LEFT) if why else finding)
-        doubted = doubted or bent
+        before = doubted and alike
+        own = _is_doubted(one, finding, alike=alike)
+        if own or before:
+            why = BESIDE if doubted else AS_WELL
+            said = replace(finding, statement=finding.statement + why)
+            told.append(less_probable(said, LEFT))
+        else:
+            told.append(finding)
+        doubted = doubted or own
     return told
 
 

@@ -17,8 +17,8 @@ from bondgraph.structure.signals import signals_in
 Array = NDArray[np.float64]
 TOO_MUCH = 0.25
 """A store whose curve falls by more than this share of what it rises has a negative
-capacity somewhere; less is how few knots follow what is flat. So is a resistance that
-turns negative by no more than this share of its largest.
+capacity somewhere, and a resistance that turns negative by more than this share of its
+largest gives back power; less is how few knots follow what is flat.
 """
 NEGATIVE_STORE = (
     "somewhere it would give less the more it holds, as no store but a spring does: "
