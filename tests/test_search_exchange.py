@@ -1,5 +1,7 @@
 """A law that was found first gives way to the one that does better in its place."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -126,6 +128,28 @@ def test_what_is_left_is_counted_from_the_first_model_to_the_last():
     ]
     assert remaining(rounds, {"force": 5.0}) < 0.05
     assert remaining(rounds[-1:], {"force": 5.0}) == 1.0
+
+
+def weighed_by(times, fitted, first, hypotheses):
+    """Return the model fitted again, its output weighed so many times more."""
+    heavier = replace(fitted.problem, sigma=fitted.problem.sigma / times)
+    changed = replace(fitted, problem=heavier)
+    return fitted_with(first, changed, hypotheses, {})
+
+
+@pytest.mark.parametrize("times", [1.0, 7.0])
+def test_what_is_left_is_the_same_however_outputs_are_weighed_on_the_way(times):
+    base = driven(road)
+    friction, drag = proposed(base, CoulombFriction()), proposed(base, QuadraticDrag())
+    one = added(base, base, [friction])
+    again = weighed_by(times, one, base, [friction])
+    both = added(base, again, [friction, drag])
+    rounds = [
+        Round(base, chosen=judged_beside(base, friction, one)),
+        Round(again, chosen=judged_beside(again, drag, both)),
+    ]
+    assert remaining(rounds[:1], {"force": 5.0}) > 0.2
+    assert remaining(rounds, {"force": 5.0}) < 0.02
 
 
 def test_beside_a_curve_the_nearest_law_with_a_name_is_told():
