@@ -76,10 +76,9 @@ class TemperatureDependentResistance(AbstractPhysics):
         yield self._by_place(place) if place.domain == THERMAL else self._by_use(place)
 
     def _quickest(self, place: ElementPlace) -> float:
-        """Return the least time in which it may warm, as far as windows tell it."""
+        """Return the least time in which it may warm."""
         least = FILAMENTS_WARM if place.domain == ELECTRICAL else BODIES_WARM
-        stretch = place.scales.stretch
-        return max(0.003 * stretch, least if least < stretch else 0.0)
+        return max(0.003 * place.scales.stretch, least)
 
     def _by_place(self, place: ElementPlace) -> Hypothesis:
         temperature = _mean_temperature(place)
