@@ -5,7 +5,9 @@ import sympy
 from physics_machines import known
 
 from bondgraph import BondGraph, C, FinishedGraph, I, R, Se, Sf
+from bondgraph.physics.induction import InducedCurrent
 from bondgraph.physics.library import LIBRARY
+from bondgraph.physics.one_way import DirectionDependentDamping
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
 from bondgraph.physics.relaxation import StoreAmid, StoreBehind
@@ -14,16 +16,16 @@ from bondgraph.structure.elements import Compliance, Inertance, Resistance
 from bondgraph.structure.signals import Signal
 
 
+NO_TWINS = (StoreBehind, StoreAmid, InducedCurrent, DirectionDependentDamping)
+
+
 def words_at(graph: FinishedGraph) -> set[str]:
     """Return what the library proposes for a graph, at any place.
 
-    A store behind a resistance, or amid one, has the word of a store, and is no twin.
+    A store behind a resistance, amid one or beside one has a store's word, and damping
+    that of dry friction; they are no twins.
     """
-    plain = [
-        physics
-        for physics in LIBRARY
-        if not isinstance(physics, StoreBehind | StoreAmid)
-    ]
+    plain = [physics for physics in LIBRARY if not isinstance(physics, NO_TWINS)]
     return {
         hypothesis.physics
         for place in all_places(graph, Scales())

@@ -93,6 +93,8 @@ CASES = [
         2,
         steady=True,
     ),
+    Case("wheel", "DirectionDependentDamping", "shaft", {"damping_ahead": 0.1}),
+    Case("wheel", "DirectionDependentDamping", "shaft", {"damping_back": 0.1}, 1),
     Case(
         "wheel",
         "DirectionDependentFriction",
@@ -156,6 +158,12 @@ CASES = [
         "dc_drive", "StoreBehind", "winding", {"slow_resistance": 0.5, "fill_time": 0.3}
     ),
     Case("two_tanks", "StoreAmid", "pipe", {"capacity_amid": 0.3}),
+    Case(
+        "dc_drive",
+        "InducedCurrent",
+        "winding",
+        {"induced_inductance": 0.05, "induced_time": 0.3},
+    ),
     Case("two_tanks", "Leak", "upper", {"leak": 0.1}),
     Case("heaters", "Leak", "block1", {"leak_to_block2_from": 0.01}, 1),
     Case("lamp", "OneWayPassage", "series", {"one_way": 0.6, "opening": 0.1}),

@@ -22,11 +22,12 @@ from bondgraph.physics.friction import (
 )
 from bondgraph.physics.hypothesis import AbstractPhysics
 from bondgraph.physics.hysteresis import BoucWenHysteresis, DahlHysteresis
+from bondgraph.physics.induction import InducedCurrent
 from bondgraph.physics.inertia import AddedInertia, SaturatingInertia
 from bondgraph.physics.leakage import Bypass, Leak, Slip
 from bondgraph.physics.load import LoadDependentFriction
 from bondgraph.physics.modes import FlexibleMode
-from bondgraph.physics.one_way import OneWayPassage
+from bondgraph.physics.one_way import DirectionDependentDamping, OneWayPassage
 from bondgraph.physics.orifice import Clamp, Overflow, SquareLaw, SquareRootOrifice
 from bondgraph.physics.position import (
     Cogging,
@@ -48,6 +49,7 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     VoltageDrop(),
     LoadDependentFriction(),
     DirectionDependentFriction(),
+    DirectionDependentDamping(),
     StribeckFriction(),
     QuadraticDrag(),
     ConstantBias(),
@@ -58,6 +60,7 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     AddedCompliance(),
     StoreBehind(),
     StoreAmid(),
+    InducedCurrent(),
     Leak(),
     Slip(),
     Bypass(),

@@ -1,11 +1,11 @@
-"""A passage through which flow comes, and goes back with more resistance or never."""
+"""What passes more easily one way: check valves and diodes, dampers with a valve."""
 
 from collections.abc import Iterator
 
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import E, F, Place
+from bondgraph.physics.places.base import MECHANICAL, E, F, Place
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import OneJunctionPlace
 from bondgraph.structure.domains import ELECTRICAL, HYDRAULIC
@@ -94,3 +94,34 @@ class OneWayPassage(AbstractPhysics):
         edit = place.replace(law, less, crack)
         own = (less, crack)
         return self.hypothesis(place, edit, law, own, words, also=place.junctions)
+
+
+class DirectionDependentDamping(AbstractPhysics):
+    """Damping that is larger in one direction: a valve in the damper's piston."""
+
+    word = "direction_dependent_friction"
+    reference = "bump and rebound of shock absorbers: Dixon 2007; door closers"
+    passivity = Passivity.DISSIPATIVE
+    domains = MECHANICAL
+    signature = "a slope over the flow with a kink at zero; taken for a bias or drag"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it at every 1-junction, for each direction, where it moves in both."""
+        if not isinstance(place, OneJunctionPlace) or not self.suits(place):
+            return
+        if not place.scales.reverses(f"{F}({place.name})"):
+            return
+        some = 0.3 * place.effort / place.flow
+        for stem, way, moving in (
+            ("damping_ahead", "ahead", sympy.Max(f, 0)),
+            ("damping_back", "back", sympy.Min(f, 0)),
+        ):
+            b = place.strength(stem, place.unit(E, F), (0.0, some), low=0.0)
+            law = b.symbol * moving
+            element = Resistance(place.name_of(f"{way}_only"), law=law)
+            words = (
+                f"{place.a(E)} proportional to {place.domain.flow}, and only {way}: "
+                "the damping differs between the directions"
+            )
+            edit = place.insert(element, b)
+            yield self.hypothesis(place, edit, law, (b,), words)

@@ -73,7 +73,7 @@ class StoreBehind(AbstractPhysics):
         """Return a stock beside the one that is there, and what lies between."""
         size = place.displacement / place.effort
         c = _capacity(place, "second_capacity", place.unit(Q, E), size)
-        tau = _time(place)
+        tau = time_to_fill(place)
         store = Compliance(place.name_of("second_store"), law=q / c.symbol)
         between = Resistance(
             place.name_of("way_to_second_store"), law=tau.symbol / c.symbol * f
@@ -102,7 +102,7 @@ class StoreBehind(AbstractPhysics):
             return
         size = place.effort / place.flow
         r = _capacity(place, "slow_resistance", place.unit(E, F), 0.1 * size)
-        tau = _time(place)
+        tau = time_to_fill(place)
         loss = Resistance(place.name_of("slow_loss"), law=r.symbol * f)
         store = Compliance(place.name_of("slow_store"), law=r.symbol / tau.symbol * q)
         added = (r.parameter, tau.parameter)
@@ -173,7 +173,8 @@ def _capacity(place: JunctionPlace, stem: str, unit: str, size: float) -> Coeffi
     return place.strength(stem, unit, starts, low=1e-6 * size)
 
 
-def _time(place: JunctionPlace) -> Coefficient:
+def time_to_fill(place: JunctionPlace, stem: str = "fill_time") -> Coefficient:
+    """Return the time of a state that fades, in starts of `SHARES`, small and large."""
     low = FASTEST * place.scales.step
     times = tuple(max(share * place.scales.stretch, 2 * low) for share in SHARES)
-    return place.shape("fill_time", "s", times * 2, low=low)
+    return place.shape(stem, "s", times * 2, low=low)

@@ -160,6 +160,7 @@ SCENES: Mapping[str, Scene] = {
     "DirectionDependentFriction": Scene(
         **_PUSHED, values={"coulomb": 2.75, "asymmetry": 0.455}
     ),
+    "DirectionDependentDamping": Scene(**_PUSHED, values={"damping_back": 4.0}),
     "StribeckFriction": Scene(
         **_CART,
         drive={"force": _wave(6.0)},
@@ -209,6 +210,15 @@ SCENES: Mapping[str, Scene] = {
         output="lower_pressure",
         across="effort(*)",
         up="displacement(*)",
+    ),
+    "InducedCurrent": Scene(
+        machine=machines.winding,
+        place="winding",
+        values={"induced_inductance": 0.04, "induced_time": 0.04},
+        drive={"voltage": _steps(6.0, -6.0, 6.0, -6.0, every=0.15)},
+        output="current",
+        across="flow(*)",
+        up="effort(*)",
     ),
     "Leak": Scene(**_FILLED, values={"leak": 0.15}),
     "Slip": Scene(
