@@ -5,9 +5,10 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+import sympy
 from numpy.typing import NDArray
 
-from bondgraph import GY, TF, BondGraph, C, FinishedGraph, I, R, Se, Sf, derive
+from bondgraph import GY, TF, BondGraph, C, FinishedGraph, I, MSe, R, Se, Sf, derive
 from bondgraph.numeric.model import NumericModel, compile_model
 from bondgraph.physics.places.everywhere import machine_junctions
 from bondgraph.physics.places.scales import Scales
@@ -196,6 +197,22 @@ def lamp() -> FinishedGraph:
     return known(g, series=(1.0, "ohm"), store=(0.3, "F"), load=(3.0, "ohm"))
 
 
+def servo() -> FinishedGraph:
+    """An arm that a position loop drives to its goal."""
+    g = BondGraph("servo", domain="rotation")
+    g.zero("command", Se("goal"), domain="analogue")
+    missing = effort("command") - displacement("arm")
+    loop = MSe("loop", value=sympy.Symbol("stiffness") * missing)
+    g.one("arm", loop, I("inertia"), R("damping"))
+    g.measure("angle", displacement="arm")
+    return known(
+        g,
+        stiffness=(2.0, "N*m/rad"),
+        inertia=(0.1, "kg*m^2"),
+        damping=(0.3, "N*m*s/rad"),
+    )
+
+
 MACHINES = {
     make.__name__: make()
     for make in (
@@ -211,6 +228,7 @@ MACHINES = {
         heaters,
         damper,
         lamp,
+        servo,
     )
 }
 

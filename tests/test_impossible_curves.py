@@ -1,4 +1,4 @@
-"""Curves that no element has: a store that gives less, a loss that gives back."""
+"""Curves that no store, no loss and no input has are refuted."""
 
 from types import SimpleNamespace
 
@@ -12,6 +12,7 @@ from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.laws import finer
 from bondgraph.diagnosis.search.trials.impossible import (
+    BEYOND_COMMAND,
     NEGATIVE_LOSS,
     NEGATIVE_STORE,
     impossible,
@@ -117,6 +118,27 @@ def test_a_loss_that_something_steers_does_not_give_back():
     assert impossible(fanned([0.5, 0.0, -0.3, -0.9], finely=True)) is None
     turned = fanned([0.5, 0.0, -1.0, -3.0], finely=True)
     assert impossible(turned) == NEGATIVE_LOSS
+
+
+def commanded(more):
+    """Return the candidate whose heater gives so many watts more than commanded."""
+    graph, source, unit, output, read = block()
+    channels = {
+        source: (1.0 + np.sin(TIME / 30.0), unit),
+        output: (np.ones(TIME.size), read),
+    }
+    bound = [bind_to(graph, Recording.from_arrays("run", TIME, channels))]
+    base = fit_model(graph, bound, FitSettings())
+    laws = propose_all(base, [UnknownRelation()])
+    (law,) = (one for one in laws if "acts along" in one.words)
+    numbers = dict.fromkeys(law.strengths, more)
+    fitted = restored(base, Trial(law, (Start({**base.values, **numbers}),)))
+    return Candidate(law, fitted, len(numbers))
+
+
+def test_an_input_does_not_act_a_hundred_times_more_than_it_was_commanded():
+    assert impossible(commanded(0.5)) is None
+    assert impossible(commanded(1e3)) == BEYOND_COMMAND
 
 
 def test_what_no_element_has_is_not_drawn_finely(monkeypatch):

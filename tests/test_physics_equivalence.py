@@ -11,10 +11,10 @@ from bondgraph.physics.one_way import DirectionDependentDamping
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
 from bondgraph.physics.relaxation import StoreAmid, StoreBehind
+from bondgraph.physics.thermal import TemperatureDependentResistance
 from bondgraph.structure.domains import DOMAINS
 from bondgraph.structure.elements import Compliance, Inertance, Resistance
-from bondgraph.structure.signals import Signal
-
+from bondgraph.structure.signals import Signal, f
 
 NO_TWINS = (StoreBehind, StoreAmid, InducedCurrent, DirectionDependentDamping)
 
@@ -124,3 +124,35 @@ def test_laws_of_position_need_a_position_that_is_known():
     assert gained == {"gravity", "spring", "hardening_spring", "end_stop", "cogging"}
     # An angle that nothing else reads has a free origin, which is its sensor's offset.
     assert words(measured=False) - words(measured=True) == set()
+
+
+def test_beside_an_offset_and_dry_friction_no_second_slope_is_tried():
+    def tried(**more):
+        g = BondGraph("door", domain="rotation")
+        g.one("hinge", Se("hand"), I("leaf"), R("oil"), *more.values())
+        g.measure("angle", displacement="hinge")
+        for name in more:
+            g.parameter(name, 0.5, "N*m")
+        graph = known(g, leaf=(1.0, "kg*m^2"), oil=(1.0, "N*m*s/rad"))
+        (hinge,) = (p for p in all_places(graph, Scales()) if p.name == "hinge")
+        return bool(list(DirectionDependentDamping().propose(hinge)))
+
+    offset = Se("pretension", value=sympy.Symbol("offset"))
+    dry = R("seal", law=sympy.Symbol("dry") * sympy.tanh(f))
+    assert tried(offset=offset)
+    assert tried(dry=dry)
+    assert not tried(offset=offset, dry=dry)
+
+
+@pytest.mark.parametrize(("domain", "least"), [("rotation", 2.0), ("electrical", 0.01)])
+def test_a_body_warms_slower_than_a_wire(domain, least):
+    g = BondGraph("worn", domain=domain)
+    g.one("part", Se("push"), I("own"), R("loss"))
+    g.measure("rate", flow="part")
+    units = _linear_unit(Inertance, domain), _linear_unit(Resistance, domain)
+    graph = known(g, own=(1.0, units[0]), loss=(1.0, units[1]))
+    for place in all_places(graph, Scales(interval=1e-3, duration=0.5)):
+        for law in TemperatureDependentResistance().propose(place):
+            (time,) = (p for p in law.edit.parameters if p.unit == "s")
+            assert time.bounds[0] == least
+            assert all(start[time.name] >= least for start in law.starts)

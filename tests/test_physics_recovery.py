@@ -275,6 +275,7 @@ CASES = [
     Case("damper", "Delay", "load", {"delay": 0.04}),
     Case("slider", "Saturation", "force", {"limit": 1.5}),
     Case("slider", "Saturation", "force", {"rate_limit": 5.0}, 1),
+    Case("servo", "Saturation", "loop", {"limit": 1.5}),
     Case("slider", "DeadZone", "force", {"dead_zone": 0.3}),
     Case("slider", "InputNonlinearity", "force", {"input_power": 0.6}),
     Case(

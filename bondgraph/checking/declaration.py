@@ -50,6 +50,11 @@ from bondgraph.checking.written import NotTomlError, finite, shown, toml
 from bondgraph.errors import CheckError, LoopShapingError, did_you_mean
 from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain
 
+OF_A_MODEL = (
+    "Whether a model is well made, 'bondgraph derive' says, and what it does, "
+    "'bondgraph simulate'."
+)
+
 
 def read_checks(path: Path) -> tuple[Check, ...]:
     """Return the checks that the file at `path` declares.
@@ -78,10 +83,11 @@ def _toml(path: Path) -> dict[str, Any]:
     try:
         return toml(path)
     except FileNotFoundError:
+        way_out = "Write one with [[check]] tables, or name another file."
+        if ".py:" in str(path):
+            way_out = OF_A_MODEL
         raise CheckError(
-            f"There is no check file {str(path)!r}.",
-            (str(path),),
-            "Write one with [[check]] tables, or name another file.",
+            f"There is no check file {str(path)!r}.", (str(path),), way_out
         ) from None
     except OSError as error:
         raise CheckError(
@@ -94,8 +100,7 @@ def _toml(path: Path) -> dict[str, Any]:
             raise CheckError(
                 f"{path.name} is Python; a check file is TOML and declares values.",
                 (str(path),),
-                "Whether a model is well made, 'bondgraph derive' says, and what it "
-                "does, 'bondgraph simulate'.",
+                OF_A_MODEL,
             ) from error
         raise CheckError(
             f"{path.name} is not TOML: {error}.", (str(path),), "Correct the syntax."

@@ -39,7 +39,7 @@ from bondgraph.reporting.wording import (
 )
 from bondgraph.simulation.energy_audit import EnergyAudit
 from bondgraph.simulation.events import Event
-from bondgraph.structure.domains import THERMAL
+from bondgraph.structure.domains import ANALOGUE, THERMAL
 
 LISTED_EVENTS = 8
 """More are counted by kind; all are in the JSON."""
@@ -123,9 +123,8 @@ def command(
     whole = isinstance(settings.horizon, WholeRecordings)
     if whole and solution.score.nrmse > ASTRAY:
         session.say(FAR_OFF if bound.steady else STRETCHES)
-    # The pseudo bonds of the thermal domain carry no power.
-    thermal = all(domain is THERMAL for domain in graph.domains)
-    if solution.audit.has_flowed and not thermal:
+    # Pseudo bonds of heat carry no power, and analogue ones none that is in joules.
+    if solution.audit.has_flowed and not set(graph.domains) <= {THERMAL, ANALOGUE}:
         session.say(_energy_words(solution.audit))
     session.say(_event_words(solution.events))
     for note in read.notes:

@@ -6,8 +6,9 @@ from dataclasses import replace
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import Place
+from bondgraph.physics.places.base import Coefficient, Place
 from bondgraph.physics.places.channels import InputPlace
+from bondgraph.physics.places.source import SourcePlace
 from bondgraph.physics.powers import raised
 from bondgraph.physics.slips import FACTORS, SLIPS, own_values
 from bondgraph.structure.domains import ANALOGUE
@@ -73,20 +74,27 @@ class Saturation(AbstractPhysics):
     signature = "large commands do no more than smaller ones"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield a limit of size and one of rate for every input that changes."""
+        """Yield a limit of size and one of rate for every input that changes.
+
+        And one of size for every source that is steered inside of a loop.
+        """
+        if isinstance(place, SourcePlace):
+            yield self._of_source(place)
         if not isinstance(place, InputPlace) or place.is_constant:
             return
         yield self._of_size(place)
         yield self._of_rate(place)
 
     def _of_size(self, place: InputPlace) -> Hypothesis:
-        peak = place.peak
-        limits = tuple(share * peak for share in (0.95, 0.8, 0.65, 0.5, 0.35))
-        unit = place.channel_unit
-        limit = place.shape("limit", unit, limits, low=0.01 * peak)
-        law = sympy.Max(sympy.Min(place.signal, limit.symbol), -limit.symbol)
+        limit, law = _limited(place, place.signal, place.channel_unit)
         words = f"{place.name} does not pass a limit, whatever is commanded"
         edit = place.become(law, limit, nested=False)
+        return self.hypothesis(place, edit, law, (limit,), words)
+
+    def _of_source(self, place: SourcePlace) -> Hypothesis:
+        limit, law = _limited(place, place.value, place.unit(place.quantity))
+        words = f"{place.name} does not pass a limit, whatever the loop asks of it"
+        edit = place.replace(law, limit)
         return self.hypothesis(place, edit, law, (limit,), words)
 
     def _of_rate(self, place: InputPlace) -> Hypothesis:
@@ -104,6 +112,16 @@ class Saturation(AbstractPhysics):
         words = f"{place.name} does not change faster than a limit"
         edit = place.become(state.value, rate, within, states=(state,), nested=False)
         return self.hypothesis(place, edit, state.value, (rate, within), words)
+
+
+def _limited(
+    place: InputPlace | SourcePlace, asked: sympy.Expr, unit: str
+) -> tuple[Coefficient, sympy.Expr]:
+    """Return a limit, and what is asked for, held within it both ways."""
+    peak = place.peak
+    limits = tuple(share * peak for share in (0.95, 0.8, 0.65, 0.5, 0.35))
+    limit = place.shape("limit", unit, limits, low=0.01 * peak)
+    return limit, sympy.Max(sympy.Min(asked, limit.symbol), -limit.symbol)
 
 
 class DeadZone(AbstractPhysics):

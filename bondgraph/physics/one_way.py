@@ -106,10 +106,18 @@ class DirectionDependentDamping(AbstractPhysics):
     signature = "a slope over the flow with a kink at zero; taken for a bias or drag"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it at every 1-junction, for each direction, where it moves in both."""
+        """Yield it at every 1-junction, for each direction, where it moves in both.
+
+        Not beside a fitted constant source and a resistance with a law of its own, dry
+        friction for instance: each direction has its own line there already, and one
+        more slope would only bend them.
+        """
         if not isinstance(place, OneJunctionPlace) or not self.suits(place):
             return
         if not place.scales.reverses(f"{F}({place.name})"):
+            return
+        losses = (n for n in place.neighbours if isinstance(n, Resistance))
+        if place.has_free_bias and any(loss.law is not None for loss in losses):
             return
         some = 0.3 * place.effort / place.flow
         for stem, way, moving in (

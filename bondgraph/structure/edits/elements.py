@@ -7,7 +7,7 @@ import sympy
 from bondgraph.errors import StructureError
 from bondgraph.structure.edits.rebuilding import Pieces
 from bondgraph.structure.edits.signal_states import SignalState
-from bondgraph.structure.elements import Junction, OnePort, letter
+from bondgraph.structure.elements import Junction, Node, OnePort, Source, letter
 from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.nodes import WithLaw
 from bondgraph.structure.parameters import Parameter
@@ -54,7 +54,7 @@ class InsertElement:
 
 @dataclass(frozen=True, slots=True)
 class ReplaceRelation:
-    """Give an element of the graph another law (or modulus)."""
+    """Give an element of the graph another law (or modulus), a source another value."""
 
     element: str
     law: sympy.Expr
@@ -64,15 +64,20 @@ class ReplaceRelation:
 
     def apply(self, graph: FinishedGraph) -> FinishedGraph:
         """Return the graph with the element's law replaced."""
-        node = graph.node(self.element)
-        if not isinstance(node, WithLaw):
+        node, law = graph.node(self.element), canonical(self.law)
+        changed: Node
+        if isinstance(node, WithLaw):
+            changed = replace(node, law=law)
+        elif isinstance(node, Source) and node.value is not None:
+            changed = replace(node, value=law)
+        else:
             raise StructureError(
                 f"{letter(node)} {self.element!r} has no constitutive relation.",
                 (self.element,),
-                "Replace the relation of an I, C, R, TF or GY.",
+                "Replace the relation of an I, C, R, TF, GY or a source with a value.",
             )
         pieces = Pieces.of(graph)
-        pieces.swap(self.element, replace(node, law=canonical(self.law)))
+        pieces.swap(self.element, changed)
         pieces.remember(self.states)
         return pieces.finished(self.parameters)
 

@@ -59,12 +59,13 @@ class SignalState:
 def carries_signals_only(graph: FinishedGraph, junction: str) -> bool:
     """Return whether a junction is no part of the machine but of a signal.
 
-    Either an integrator of a `SignalState`, or where a wrapped input is kept.
+    Either an integrator of a `SignalState`, or a source from which nothing is drawn:
+    where a command stands, as it is recorded or wrapped.
     """
     bonds = graph.bonds_at(junction)
     nodes = [graph.node(bond.other(junction)) for bond in bonds]
     if len(nodes) == 1:
-        return isinstance(nodes[0], Source) and nodes[0].value is None
+        return isinstance(nodes[0], Source)
     integrators = [n for n in nodes if isinstance(n, Compliance) and n.law == q]
     rates = [n for n in nodes if isinstance(n, FlowSource) and n.value is not None]
     return len(nodes) == 2 and len(integrators) == len(rates) == 1

@@ -1,4 +1,4 @@
-"""Curves that no element has: a store that gives less, a loss that gives back.
+"""Curves that no store, no loss and no input has.
 
 A free curve follows what is missing wherever it leads. Where that is no law of the
 element the curve bends along with something else, most often with time.
@@ -11,7 +11,13 @@ from bondgraph.diagnosis.candidates import CURVE, Candidate
 from bondgraph.diagnosis.drawn_laws import curve_of
 from bondgraph.physics.hypothesis import Shape
 from bondgraph.physics.places.base import MECHANICAL
-from bondgraph.structure.elements import Compliance, Inertance, Resistance
+from bondgraph.structure.elements import (
+    Compliance,
+    EffortSource,
+    FlowSource,
+    Inertance,
+    Resistance,
+)
 from bondgraph.structure.signals import signals_in
 
 Array = NDArray[np.float64]
@@ -20,6 +26,10 @@ TOO_MUCH = 0.25
 capacity somewhere, and a resistance that turns negative by more than this share of its
 largest gives back power; less is how few knots follow what is flat.
 """
+TOO_FAR = 100.0
+"""An input that acts so many times more than was ever asked of it is not driven by it:
+the curve makes up for another value of the machine that has run away.
+"""
 NEGATIVE_STORE = (
     "somewhere it would give less the more it holds, as no store but a spring does: "
     "what it holds stands for the time there"
@@ -27,6 +37,10 @@ NEGATIVE_STORE = (
 NEGATIVE_LOSS = (
     "somewhere it would give back power, as no loss does: what steers it there stands "
     "for something else"
+)
+BEYOND_COMMAND = (
+    "somewhere it would act a hundred times more than was ever commanded: it makes up "
+    "for a parameter that has run away"
 )
 
 
@@ -45,12 +59,20 @@ def impossible(candidate: Candidate) -> str | None:
             factor = _drawn(candidate, shape)
             turned = factor.min() < -TOO_MUCH * np.abs(factor).max()
             return NEGATIVE_LOSS if turned else None
+        case EffortSource() | FlowSource() if not _is_steered(shape, hypothesis.place):
+            asked, acts = np.abs(_along(candidate, shape)).max(axis=1)
+            return BEYOND_COMMAND if acts > TOO_FAR * asked else None
     return None
 
 
 def _drawn(candidate: Candidate, shape: Shape) -> Array:
-    """Return the curve over what it goes along, as far as that has been."""
-    return curve_of(candidate.fitted, shape.argument, shape.value)[1]
+    """Return the values of the curve."""
+    return _along(candidate, shape)[1]
+
+
+def _along(candidate: Candidate, shape: Shape) -> tuple[Array, Array]:
+    """Return what the curve goes along, as far as that has been, and its values."""
+    return curve_of(candidate.fitted, shape.argument, shape.value)
 
 
 def _is_mechanical(candidate: Candidate) -> bool:
