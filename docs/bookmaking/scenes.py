@@ -160,7 +160,7 @@ SCENES: Mapping[str, Scene] = {
     "DirectionDependentFriction": Scene(
         **_PUSHED, values={"coulomb": 2.75, "asymmetry": 0.455}
     ),
-    "DirectionDependentDamping": Scene(**_PUSHED, values={"damping_back": 4.0}),
+    "DirectionDependentDamping": Scene(**_PUSHED, values={"damping_ahead": 4.0}),
     "StribeckFriction": Scene(
         **_CART,
         drive={"force": _wave(6.0)},
@@ -214,11 +214,12 @@ SCENES: Mapping[str, Scene] = {
     "InducedCurrent": Scene(
         machine=machines.winding,
         place="winding",
-        values={"induced_inductance": 0.04, "induced_time": 0.04},
-        drive={"voltage": _steps(6.0, -6.0, 6.0, -6.0, every=0.15)},
+        values={"induced_inductance": 0.2, "induced_time": 0.3},
+        drive={"voltage": _steps(6.0, -6.0, 6.0, -6.0, every=1.0)},
         output="current",
         across="flow(*)",
         up="effort(*)",
+        seconds=4.0,
     ),
     "Leak": Scene(**_FILLED, values={"leak": 0.15}),
     "Slip": Scene(
