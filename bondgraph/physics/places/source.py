@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import sympy
 
-from bondgraph.physics.places.base import Coefficient, E, F, Place
+from bondgraph.physics.places.base import PROPOSED, Coefficient, E, F, Place
 from bondgraph.structure.domains import EnergyDomain, Quantity
 from bondgraph.structure.edits import ReplaceRelation
 from bondgraph.structure.elements import EffortSource, Source
 from bondgraph.structure.graph import FinishedGraph
-from bondgraph.structure.signals import signals_in
+from bondgraph.structure.signals import parameters_in, signals_in
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,8 @@ class SourcePlace(Place):
 def steered_sources(graph: FinishedGraph) -> Iterator[str]:
     """Yield the sources that an input and the machine steer together.
 
-    What an input alone steers has the limits of that input.
+    What an input alone steers has the limits of that input, and what a finding has put
+    there is no source of the author's.
     """
     commanding = {
         near
@@ -64,7 +65,10 @@ def steered_sources(graph: FinishedGraph) -> Iterator[str]:
         )
     }
     for node in graph.elements:
-        if isinstance(node, Source) and node.value is not None:
-            commanded = [s.place in commanding for s in signals_in(node.value)]
-            if any(commanded) and not all(commanded):
-                yield node.name
+        if not isinstance(node, Source) or node.value is None:
+            continue
+        numbers = (graph.parameters[name] for name in parameters_in(node.value))
+        authored = all(number.source != PROPOSED for number in numbers)
+        commanded = [s.place in commanding for s in signals_in(node.value)]
+        if authored and any(commanded) and not all(commanded):
+            yield node.name
