@@ -10,11 +10,12 @@ from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.one_way import DirectionDependentDamping
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
+from bondgraph.physics.places.source import actuators
 from bondgraph.physics.relaxation import StoreAmid, StoreBehind
 from bondgraph.physics.thermal import TemperatureDependentResistance
 from bondgraph.structure.domains import DOMAINS
 from bondgraph.structure.elements import Compliance, Inertance, Resistance
-from bondgraph.structure.signals import Signal, f
+from bondgraph.structure.signals import Signal, displacement, effort, f, flow
 
 NO_TWINS = (StoreBehind, StoreAmid, InducedCurrent, DirectionDependentDamping)
 
@@ -156,3 +157,18 @@ def test_a_body_warms_slower_than_a_wire(domain, least):
             (time,) = (p for p in law.edit.parameters if p.unit == "s")
             assert time.bounds[0] == least
             assert all(start[time.name] >= least for start in law.starts)
+
+
+def test_an_actuator_is_steered_by_a_command_and_by_the_machine():
+    def steered(value):
+        g = BondGraph("arm", domain="rotation")
+        g.zero("command", Se("goal"), domain="analogue")
+        g.one("arm", Se("hand"), I("own"), Se("drive", value=value))
+        g.measure("angle", displacement="arm")
+        return list(actuators(known(g, own=(1.0, "kg*m^2"))))
+
+    assert steered(effort("command") - displacement("arm")) == ["drive"]
+    assert steered(effort("goal") - flow("arm")) == ["drive"]
+    assert not steered(2 * effort("command"))
+    # What the hand moves is no command, though it moves what the hand is on.
+    assert not steered(-flow("arm") - displacement("arm"))

@@ -12,24 +12,8 @@ import numpy as np
 from benchmarks.concealed.machine import Machine, Site
 from benchmarks.concealed.machines import MACHINES
 from benchmarks.concealed.recording import Nuisance
+from benchmarks.concealed.seeds import SEED_SETS
 
-SEED_SETS = {
-    "dev": 20_260,
-    "final": 71_077,
-    "final_2": 82_411,
-    "final_3": 93_607,
-    "final_4": 104_729,
-    "final_5": 115_249,
-    "final_6": 126_851,
-    "final_7": 148_517,
-    "final_8": 543_601,
-    "final_9": 611_953,
-    "final_10": 734_827,
-    "final_11": 861_433,
-}
-"""Final ones are opened once: `final` in the first report, `final_2` in the second,
-`final_3` in the third, `final_4` in the fourth, `final_5` in the fifth, and so on.
-"""
 STRENGTHS = (0.5, 2.0, 6.0, 12.0, 40.0, 150.0)
 """Wanted residual over noise; from far below what can be seen to dominant."""
 

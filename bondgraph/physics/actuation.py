@@ -8,7 +8,7 @@ import sympy
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Coefficient, Place
 from bondgraph.physics.places.channels import InputPlace
-from bondgraph.physics.places.source import SourcePlace
+from bondgraph.physics.places.source import ActuatorPlace
 from bondgraph.physics.powers import raised
 from bondgraph.physics.slips import FACTORS, SLIPS, own_values
 from bondgraph.structure.domains import ANALOGUE
@@ -78,8 +78,8 @@ class Saturation(AbstractPhysics):
 
         And one of size for every source that is steered inside of a loop.
         """
-        if isinstance(place, SourcePlace):
-            yield self._of_source(place)
+        if isinstance(place, ActuatorPlace):
+            yield self._of_actuator(place)
         if not isinstance(place, InputPlace) or place.is_constant:
             return
         yield self._of_size(place)
@@ -91,7 +91,7 @@ class Saturation(AbstractPhysics):
         edit = place.become(law, limit, nested=False)
         return self.hypothesis(place, edit, law, (limit,), words)
 
-    def _of_source(self, place: SourcePlace) -> Hypothesis:
+    def _of_actuator(self, place: ActuatorPlace) -> Hypothesis:
         limit, law = _limited(place, place.value, place.unit(place.quantity))
         words = f"{place.name} does not pass a limit, whatever the loop asks of it"
         edit = place.replace(law, limit)
@@ -115,7 +115,7 @@ class Saturation(AbstractPhysics):
 
 
 def _limited(
-    place: InputPlace | SourcePlace, asked: sympy.Expr, unit: str
+    place: InputPlace | ActuatorPlace, asked: sympy.Expr, unit: str
 ) -> tuple[Coefficient, sympy.Expr]:
     """Return a limit, and what is asked for, held within it both ways."""
     peak = place.peak

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import F, P, Place
 from bondgraph.physics.places.junction import OneJunctionPlace
-from bondgraph.physics.relaxation import SHARES, time_to_fill
+from bondgraph.physics.relaxation import size_to_fill, time_to_fill
 from bondgraph.structure.domains import ELECTRICAL
 from bondgraph.structure.edits import InsertElement, LoosenBond, SeveralEdits
 from bondgraph.structure.elements import Inertance, Resistance
@@ -37,13 +37,7 @@ class InducedCurrent(AbstractPhysics):
         if not any(isinstance(node, Inertance) for node in place.neighbours):
             return
         size = 0.1 * place.momentum / place.flow
-        n = len(SHARES)
-        shared = place.strength(
-            "induced_inductance",
-            place.unit(P, F),
-            (1e-3 * size,) * n + (size,) * n,
-            low=1e-6 * size,
-        )
+        shared = size_to_fill(place, "induced_inductance", place.unit(P, F), size)
         tau = time_to_fill(place, "induced_time")
         loop = place.name_of("induced")
         part = Inertance(f"{loop}_part", law=p / shared.symbol)

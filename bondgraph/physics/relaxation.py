@@ -72,7 +72,7 @@ class StoreBehind(AbstractPhysics):
     def _beside(self, place: ZeroJunctionPlace) -> Hypothesis:
         """Return a stock beside the one that is there, and what lies between."""
         size = place.displacement / place.effort
-        c = _capacity(place, "second_capacity", place.unit(Q, E), size)
+        c = size_to_fill(place, "second_capacity", place.unit(Q, E), size)
         tau = time_to_fill(place)
         store = Compliance(place.name_of("second_store"), law=q / c.symbol)
         between = Resistance(
@@ -101,7 +101,7 @@ class StoreBehind(AbstractPhysics):
         if place.domain not in ELECTRIC:
             return
         size = place.effort / place.flow
-        r = _capacity(place, "slow_resistance", place.unit(E, F), 0.1 * size)
+        r = size_to_fill(place, "slow_resistance", place.unit(E, F), 0.1 * size)
         tau = time_to_fill(place)
         loss = Resistance(place.name_of("slow_loss"), law=r.symbol * f)
         store = Compliance(place.name_of("slow_store"), law=r.symbol / tau.symbol * q)
@@ -148,7 +148,7 @@ class StoreAmid(AbstractPhysics):
         if signals_in(whole) or sympy.expand(whole + whole.subs(f, -f)) != 0:
             return
         size = 0.1 * place.flow * place.scales.stretch / place.effort
-        c = _capacity(place, "capacity_amid", place.unit(Q, E), size)
+        c = size_to_fill(place, "capacity_amid", place.unit(Q, E), size)
         store = Compliance(place.name_of("store_amid"), law=q / c.symbol)
         half = Resistance(place.name_of("other_half"), law=whole / 2)
         loosened = LoosenBond(ends[1], place.name_of("amid"), (store,), (c.parameter,))
@@ -167,7 +167,10 @@ class StoreAmid(AbstractPhysics):
         yield self.hypothesis(place, edit, store.law, (c,), what)
 
 
-def _capacity(place: JunctionPlace, stem: str, unit: str, size: float) -> Coefficient:
+def size_to_fill(
+    place: JunctionPlace, stem: str, unit: str, size: float
+) -> Coefficient:
+    """Return how much a state that fades holds, in starts of next to none and some."""
     n = len(SHARES)
     starts = (1e-3 * size,) * n + (size,) * n
     return place.strength(stem, unit, starts, low=1e-6 * size)

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import sympy
 
-from bondgraph.physics.places.base import Coefficient, E, F, Place
-from bondgraph.structure.domains import ANALOGUE, EnergyDomain, Quantity
+from bondgraph.physics.places.base import Coefficient, Place
+from bondgraph.physics.places.source import SourcePlace
+from bondgraph.structure.domains import ANALOGUE, EnergyDomain
 from bondgraph.structure.edits import ReplaceMeasurement, SignalState, WrapInput
-from bondgraph.structure.elements import EffortSource
 from bondgraph.structure.graph import Measurement
 from bondgraph.structure.signals import Signal, signals_in
 
@@ -62,24 +62,8 @@ class ChannelPlace(Place):
 
 
 @dataclass(frozen=True, slots=True)
-class InputPlace(ChannelPlace):
+class InputPlace(ChannelPlace, SourcePlace):
     """A source that a recording drives: what arrives may not be what was asked for."""
-
-    @property
-    def domain(self) -> EnergyDomain:
-        """The energy domain of its bond."""
-        return self.graph.domain_at(self.name)
-
-    @property
-    def quantity(self) -> Quantity:
-        """What it imposes: effort or flow."""
-        return E if isinstance(self.graph.node(self.name), EffortSource) else F
-
-    @property
-    def junction(self) -> str:
-        """The junction it drives."""
-        (bond,) = self.graph.bonds_at(self.name)
-        return bond.other(self.name)
 
     @property
     def of_its_kind(self) -> tuple["InputPlace", ...]:
@@ -105,8 +89,7 @@ class InputPlace(ChannelPlace):
     @property
     def range(self) -> tuple[float, float]:
         """Its least and largest value."""
-        default = self.scales.at(self.quantity, self.junction)
-        return self.scales.range_of(self.signal.name, default)
+        return self.scales.range_of(self.signal.name, self.usual)
 
     @property
     def is_constant(self) -> bool:

@@ -10,7 +10,7 @@ from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import junction_place
 from bondgraph.physics.places.pair import PairPlace
 from bondgraph.physics.places.scales import Scales
-from bondgraph.physics.places.source import SourcePlace, steered_sources
+from bondgraph.physics.places.source import ActuatorPlace, actuators
 from bondgraph.structure.domains import ELECTRICAL
 from bondgraph.structure.edits import carries_signals_only
 from bondgraph.structure.elements import (
@@ -48,7 +48,7 @@ def all_places(graph: FinishedGraph, scales: Scales) -> tuple[Place, ...]:
             for node in graph.elements
             if isinstance(node, WithLaw) and _touches(graph, node.name, machine)
         ),
-        *(SourcePlace(graph, name, scales) for name in steered_sources(graph)),
+        *(ActuatorPlace(graph, name, scales) for name in actuators(graph)),
         *_pairs(graph, scales, machine),
         *(InputPlace(graph, source.name, scales) for source in graph.inputs),
         *(OutputPlace(graph, m.name, scales) for m in graph.measurements),

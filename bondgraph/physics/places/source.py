@@ -1,4 +1,4 @@
-"""A source inside of a loop as a place: what it gives need not be what it is asked."""
+"""Sources as places, and those inside of a loop: they need not give what is asked."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,14 +8,14 @@ import sympy
 from bondgraph.physics.places.base import PROPOSED, Coefficient, E, F, Place
 from bondgraph.structure.domains import EnergyDomain, Quantity
 from bondgraph.structure.edits import ReplaceRelation
-from bondgraph.structure.elements import EffortSource, Source
-from bondgraph.structure.graph import FinishedGraph
-from bondgraph.structure.signals import parameters_in, signals_in
+from bondgraph.structure.elements import EffortSource, Node, Source
+from bondgraph.structure.graph import Bond, FinishedGraph
+from bondgraph.structure.signals import Signal, parameters_in, signals_in
 
 
 @dataclass(frozen=True, slots=True)
 class SourcePlace(Place):
-    """A source steered by an input and by what the machine does: a loop's actuator."""
+    """A source of effort or of flow."""
 
     @property
     def domain(self) -> EnergyDomain:
@@ -25,7 +25,27 @@ class SourcePlace(Place):
     @property
     def quantity(self) -> Quantity:
         """What it imposes: effort or flow."""
-        return E if isinstance(self.graph.node(self.name), EffortSource) else F
+        return _imposed(self.graph.node(self.name))
+
+    @property
+    def junction(self) -> str:
+        """The junction it drives."""
+        return self._bond.other(self.name)
+
+    @property
+    def usual(self) -> float:
+        """The typical size of what it imposes, at the junction it drives."""
+        return self.scales.at(self.quantity, self.junction)
+
+    @property
+    def _bond(self) -> Bond:
+        (bond,) = self.graph.bonds_at(self.name)
+        return bond
+
+
+@dataclass(frozen=True, slots=True)
+class ActuatorPlace(SourcePlace):
+    """A source steered by an input and by what the machine does: a loop's actuator."""
 
     @property
     def value(self) -> sympy.Expr:
@@ -38,11 +58,8 @@ class SourcePlace(Place):
     @property
     def peak(self) -> float:
         """The largest size of what it was asked for."""
-        (bond,) = self.graph.bonds_at(self.name)
-        usual = self.scales.at(self.quantity, bond.other(self.name))
-        return max(
-            map(abs, self.scales.range_of(f"{self.quantity}({bond.name})", usual))
-        )
+        asked = f"{self.quantity}({self._bond.name})"
+        return max(map(abs, self.scales.range_of(asked, self.usual)))
 
     def replace(self, value: sympy.Expr, *coefficients: Coefficient) -> ReplaceRelation:
         """Return the edit that lets it give something else."""
@@ -50,18 +67,18 @@ class SourcePlace(Place):
         return ReplaceRelation(self.name, value, parameters)
 
 
-def steered_sources(graph: FinishedGraph) -> Iterator[str]:
+def actuators(graph: FinishedGraph) -> Iterator[str]:
     """Yield the sources that an input and the machine steer together.
 
     What an input alone steers has the limits of that input, and what a finding has put
     there is no source of the author's.
     """
-    commanding = {
-        near
+    commands = {
+        Signal(_imposed(source), near)
         for source in graph.inputs
         for near in (
             source.name,
-            *(b.other(source.name) for b in graph.bonds_at(source.name)),
+            *(bond.other(source.name) for bond in graph.bonds_at(source.name)),
         )
     }
     for node in graph.elements:
@@ -69,6 +86,11 @@ def steered_sources(graph: FinishedGraph) -> Iterator[str]:
             continue
         numbers = (graph.parameters[name] for name in parameters_in(node.value))
         authored = all(number.source != PROPOSED for number in numbers)
-        commanded = [s.place in commanding for s in signals_in(node.value)]
+        commanded = [signal in commands for signal in signals_in(node.value)]
         if authored and any(commanded) and not all(commanded):
             yield node.name
+
+
+def _imposed(source: Node) -> Quantity:
+    """Return what a source imposes: effort or flow."""
+    return E if isinstance(source, EffortSource) else F

@@ -52,25 +52,20 @@ def impossible(candidate: Candidate) -> str | None:
     shape = hypothesis.shape
     match candidate.fitted.graph.by_name.get(hypothesis.element):
         case Compliance() | Inertance() if not _is_mechanical(candidate):
-            steps = np.diff(_drawn(candidate, shape))
+            steps = np.diff(_drawn(candidate, shape)[1])
             rises, falls = steps[steps > 0.0].sum(), -steps[steps < 0.0].sum()
             return NEGATIVE_STORE if falls > TOO_MUCH * rises else None
         case Resistance() if _is_steered(shape, hypothesis.place):
-            factor = _drawn(candidate, shape)
+            _, factor = _drawn(candidate, shape)
             turned = factor.min() < -TOO_MUCH * np.abs(factor).max()
             return NEGATIVE_LOSS if turned else None
         case EffortSource() | FlowSource() if not _is_steered(shape, hypothesis.place):
-            asked, acts = np.abs(_along(candidate, shape)).max(axis=1)
+            asked, acts = np.abs(_drawn(candidate, shape)).max(axis=1)
             return BEYOND_COMMAND if acts > TOO_FAR * asked else None
     return None
 
 
-def _drawn(candidate: Candidate, shape: Shape) -> Array:
-    """Return the values of the curve."""
-    return _along(candidate, shape)[1]
-
-
-def _along(candidate: Candidate, shape: Shape) -> tuple[Array, Array]:
+def _drawn(candidate: Candidate, shape: Shape) -> tuple[Array, Array]:
     """Return what the curve goes along, as far as that has been, and its values."""
     return curve_of(candidate.fitted, shape.argument, shape.value)
 
