@@ -689,6 +689,7 @@ WRONG_WORDS = {
     "no such module": (("derive", "nowhere.at:all"), "There is no module"),
     "no such check file": (("check", "nowhere.toml"), "There is no check file"),
     "a model to check": (("check", "nowhere.py:axis"), "'bondgraph derive' says"),
+    "a model of a module": (("check", "nowhere.at:axis"), "'bondgraph derive' says"),
     "no form": (("export", "MODEL"), "Missing option '--to'"),
     "no such form": (("export", "MODEL", "--to", "fortran"), "'fortran'"),
     "unknown parameter": (("derive", "MODEL", "--set", "mas=1"), "Did you mean mass?"),

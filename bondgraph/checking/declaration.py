@@ -83,11 +83,11 @@ def _toml(path: Path) -> dict[str, Any]:
     try:
         return toml(path)
     except FileNotFoundError:
-        way_out = "Write one with [[check]] tables, or name another file."
-        if ".py:" in str(path):
-            way_out = OF_A_MODEL
+        written = "Write one with [[check]] tables, or name another file."
         raise CheckError(
-            f"There is no check file {str(path)!r}.", (str(path),), way_out
+            f"There is no check file {str(path)!r}.",
+            (str(path),),
+            OF_A_MODEL if ":" in path.name else written,
         ) from None
     except OSError as error:
         raise CheckError(
