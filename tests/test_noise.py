@@ -111,6 +111,21 @@ def test_a_channel_at_rest_has_the_noise_of_its_step():
     assert noise_std(t, v) == pytest.approx(ENCODER / np.sqrt(12))
 
 
+def test_what_is_timed_as_it_passes_a_step_is_not_rounded():
+    turns = 2 * np.pi * np.arange(250.0)
+    smooth = 1.5 * np.sqrt(1.0 + turns) - 1.5  # The times of a wheel that slows down.
+    timed = smooth + np.random.default_rng(1).normal(size=250) * 1e-4
+    found = estimate_noise(timed, turns)
+    assert found.quantisation is None
+    assert found.std < 1e-2
+    # Read at times of a clock, the same wheel is rounded to whole turns.
+    clock = np.linspace(timed[0], timed[-1], 100)
+    read = np.floor(np.interp(clock, timed, turns) / (2 * np.pi)) * 2 * np.pi
+    rounded = estimate_noise(clock, read)
+    assert rounded.quantisation == pytest.approx(2 * np.pi)
+    assert rounded.std >= 2 * np.pi / np.sqrt(12)
+
+
 def test_constant_and_tiny_channels_have_none():
     assert noise_std(clock(50), np.full(50, 3.3)) == 0.0
     assert noise_std(clock(9), np.sqrt(np.arange(9.0))) == 0.0

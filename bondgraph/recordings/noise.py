@@ -36,6 +36,9 @@ FLICKER = 0.05
 MOST_CONTRASTS = 200_000
 """Enough for any median; of longer recordings, evenly spaced windows are taken."""
 
+NEARLY_ALL = 0.98
+"""Contrasts of which so many are smaller than rounding leaves them know no rounding."""
+
 ON_GRID = 0.1
 """A distance from the grid, in its steps, that counts as on it (0.2 by chance)."""
 
@@ -128,6 +131,10 @@ def noise_std(time: ArrayLike, values: ArrayLike) -> float:
 def estimate_noise(time: ArrayLike, values: ArrayLike) -> NoiseEstimate:
     """Return the noise of one channel, its grid, and whether the noise looks white.
 
+    What moves on by whole steps and yet runs smoother than rounding would leave it was
+    not rounded: its times are those at which it passed a step, as of a turning wheel.
+    It has no grid.
+
     Parameters
     ----------
     time
@@ -146,9 +153,13 @@ def estimate_noise(time: ArrayLike, values: ArrayLike) -> NoiseEstimate:
     orders = [k for k in ORDERS if v.size >= 4 * (k + 1)]
     if not orders or np.ptp(v) == 0.0:
         return NoiseEstimate(std=float(floor), quantisation=step, white=True)
-    scales = np.array([_scale(_contrasts(t, v, k)) for k in orders])
+    contrasts = [_contrasts(t, v, k) for k in orders]
+    scales = np.array([_scale(one) for one in contrasts])
     if step is not None and np.median(np.abs(np.diff(v))) > 0.0:
-        scales = _scales_off_grid(t, v, step, orders)
+        if min(np.quantile(np.abs(one), NEARLY_ALL) for one in contrasts) < floor:
+            step, floor = None, 0.0
+        else:
+            scales = _scales_off_grid(t, v, step, orders)
     settled = scales <= AGREEMENT * np.minimum.accumulate(scales[::-1])[::-1]
     chosen = int(np.argmax(settled))
     sameness = SAMENESS + 3.0 / np.sqrt(v.size)  # about three of its own errors

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any
 
+from bondgraph import __version__
 from bondgraph.diagnosis.answer.evidence_shown import wider_than_chosen
 from bondgraph.diagnosis.answer.wording import listed
 from bondgraph.diagnosis.evidence.judged import Judged
@@ -118,9 +119,11 @@ def provenance(
     final: FittedModel,
 ) -> dict[str, Any]:
     """Return versions, digests of the recordings, and how everything was simulated."""
-    packages = ("bondgraph-workbench", "numpy", "scipy", "sympy", "numba")
+    # Our own number is in the source: a tree on the path has nothing installed to ask.
+    packages = ("numpy", "scipy", "sympy", "numba")
     return {
-        "versions": {name: version(name) for name in packages}
+        "versions": {"bondgraph-workbench": __version__}
+        | {name: version(name) for name in packages}
         | {"python": platform.python_version()},
         "training": [{"name": r.name, "sha256": r.sha256} for r in recordings],
         "held_out": [{"name": r.name, "sha256": r.sha256} for r in held_out],

@@ -1,20 +1,24 @@
 """The measurement noise of every output, as the recordings themselves tell it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
-from bondgraph.recordings.noise import NoiseEstimate, estimate_noise
+from bondgraph.recordings.noise import AGREEMENT, NoiseEstimate, estimate_noise
 from bondgraph.recordings.spread import size
 from bondgraph.recordings.table_noise import table_noise
 
 Array = NDArray[np.float64]
 FINEST = 1e-6
 """Of a channel's spread: no channel is taken to be less noisy than this."""
+
+MOVING = 0.5
+"""A command that changes in more of the samples than this does not rest between steps.
+"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,11 +56,34 @@ def channel_noise(
     seen = [
         table_noise(r.inputs, r.outputs[:, output])
         if r.steady
-        else estimate_noise(r.time, r.outputs[:, output])
+        else _beside_jumps(r, r.outputs[:, output])
         for r in recordings
         if np.isfinite(r.outputs[:, output]).any()
     ]
     return [one for one in seen if one is not None]
+
+
+def _beside_jumps(recording: BoundRecording, values: Array) -> NoiseEstimate:
+    """Return the noise of a channel; what jumps with a command is none.
+
+    The voltage across a resistance follows each step of the current at once: where
+    there are many, that looks like white noise. Only commands that rest between steps
+    count: what moves all the time may carry the sensor's own noise, fed back.
+    """
+    plain = estimate_noise(recording.time, values)
+    moves = np.mean(np.diff(recording.inputs, axis=0) != 0.0, axis=0)
+    steps = recording.inputs[:, (moves > 0.0) & (moves < MOVING)]
+    changes, answers = np.diff(steps, axis=0), np.diff(values)
+    there = np.isfinite(answers) & np.isfinite(changes).all(axis=1)
+    coarse = (plain.quantisation or 0.0) > plain.std
+    if coarse or not changes[there].any():
+        return plain
+    share, *_ = np.linalg.lstsq(changes[there], answers[there])
+    rest = estimate_noise(recording.time, values - steps @ share)
+    std = max(rest.std, (plain.quantisation or 0.0) / np.sqrt(12.0))
+    if std * AGREEMENT > plain.std:
+        return plain
+    return replace(rest, std=float(std), quantisation=plain.quantisation)
 
 
 def noise_scale(fitted: FittedModel, recordings: Sequence[BoundRecording]) -> Array:
