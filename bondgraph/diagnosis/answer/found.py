@@ -106,7 +106,8 @@ def _finding(
     scaled = tuple(
         e.name
         for e in estimates
-        if not none_told([(e.name, e.value, proportion.get(e.name))])
+        if none_told([(e.name, e.value, e.std)])
+        and not none_told([(e.name, e.value, proportion.get(e.name))])
     )
     return Finding(
         physics=chosen.physics,
