@@ -30,7 +30,9 @@ from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.automatic import grows
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.fine_steps import told_finely
+from bondgraph.fitting.horizon import Automatic, WholeRecordings
 from bondgraph.fitting.long_runs import simulate_whole
+from bondgraph.fitting.strategy import Direct
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
 
@@ -105,9 +107,19 @@ def look(
 
 
 def _hurried(options: Options) -> Options:
-    """Return the options of a fit for which there is hardly time."""
-    most = min(HURRIED, options.settings.iterations)
-    return replace(options, settings=replace(options.settings, iterations=most))
+    """Return the options of a fit for which there is hardly time.
+
+    Over whole recordings at once: to grow windows takes many fits.
+    """
+    settings = options.settings
+    automatic = isinstance(settings.horizon, Automatic)
+    hurried = replace(
+        settings,
+        iterations=min(HURRIED, settings.iterations),
+        strategy=Direct(),
+        horizon=WholeRecordings() if automatic else settings.horizon,
+    )
+    return replace(options, settings=hurried)
 
 
 def second_look(

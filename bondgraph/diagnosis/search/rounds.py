@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE
 from bondgraph.diagnosis.search.base.between_samples import finely_stepped
 from bondgraph.diagnosis.search.base.beyond_noise import left_beside, within
+from bondgraph.diagnosis.search.base.weighed import weighed_anew
 from bondgraph.diagnosis.search.considered import Setting
 from bondgraph.diagnosis.search.making import Made, made_of, or_two
 from bondgraph.diagnosis.search.one_round import one_round
@@ -154,8 +155,9 @@ def _handed_on(
     added: tuple[Hypothesis, ...],
     options: Options,
 ) -> Reached:
-    """Return what the search has come to, stepped and held as the new model asks."""
-    base, current = reached.first, finely_stepped(fitted, reached.noise)
+    """Return what the search has come to: stepped, held, weighed as it now asks."""
+    weighed = weighed_anew(fitted, reached.noise)
+    base, current = reached.first, finely_stepped(weighed, reached.noise)
     if options.either_hold:
         current = held_as_fits(current)
     now = current.problem
