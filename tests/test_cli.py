@@ -107,7 +107,7 @@ def test_every_command_explains_itself_and_has_json(name):
 
 
 def test_derive_gives_causality_equations_and_transfer_function(model):
-    result = run("derive", model, "--set", "mass=4", "--reasons")
+    result = run("derive", model, "--set", "mass=8/2", "--reasons")
     assert result.exit_code == 0
     assert "integral: mass" in result.stdout
     assert "d(p_mass)/dt = " in result.stdout
@@ -694,6 +694,7 @@ WRONG_WORDS = {
     "no such form": (("export", "MODEL", "--to", "fortran"), "'fortran'"),
     "unknown parameter": (("derive", "MODEL", "--set", "mas=1"), "Did you mean mass?"),
     "no number": (("derive", "MODEL", "--set", "mass=heavy"), "--set name=value"),
+    "no ratio": (("derive", "MODEL", "--set", "mass=1/0"), "--set name=value"),
     "no point": (("derive", "MODEL", "--at", "p_mass"), "--at name=value"),
     "window": (("fit", "MODEL", "REC", "--window", "long"), "number of seconds"),
     "negative window": (("fit", "MODEL", "REC", "--window", "-1"), "number of seconds"),

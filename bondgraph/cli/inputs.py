@@ -90,14 +90,16 @@ def read_model(reference: str, values: Sequence[str] = ()) -> FinishedGraph:
 
 
 def _number(text: str) -> tuple[str, float]:
+    """Return a parameter and its value, which may be a ratio: of a compliance, 1/k."""
     name, _, value = (part.strip() for part in text.partition("="))
+    above, slash, below = value.partition("/")
     try:
-        return name, float(value)
-    except ValueError:
+        return name, float(above) / float(below) if slash else float(value)
+    except (ValueError, ZeroDivisionError):
         raise ParameterError(
             f"--set {text} does not give a parameter a number.",
             (name,),
-            "Write --set name=value, as --set mass=95.1.",
+            "Write --set name=value, as --set mass=95.1 or --set spring=1/6900.",
         ) from None
 
 
