@@ -14,6 +14,7 @@ from bondgraph.diagnosis.answer.found import findings_of
 from bondgraph.diagnosis.answer.look_alikes import look_alikes
 from bondgraph.diagnosis.answer.notes import notes_on, provenance
 from bondgraph.diagnosis.answer.one_size import doubted_in_one_size
+from bondgraph.diagnosis.answer.rounded_inputs import doubted_within_rounding
 from bondgraph.diagnosis.answer.separating import designed, left_close
 from bondgraph.diagnosis.answer.showing import recovered_law, traces
 from bondgraph.diagnosis.answer.stated import at_bounds, contradicted
@@ -79,6 +80,7 @@ def answer(
     carried = carries_over(shown, trained, stretches)
     told = with_images(told, base.graph, after.estimates)
     findings = doubted_at_jumps(doubted(told, left, carried=carried), made)
+    findings = doubted_within_rounding(findings, made)
     findings = doubted_in_one_size(findings, rounds)
     wrong = contradicted(graph, after.estimates)
     verdict, statement = concluded(
