@@ -733,3 +733,12 @@ def test_the_worm_drives_steady_map_is_read_as_one():
     assert len(table) == 46
     train, held_out = split(table, 0.5)
     assert len(train) == len(held_out) == 23
+
+
+def test_a_logger_that_writes_in_bursts_is_told_to_keep_one_row_of_each():
+    time = (0.5 * np.arange(40)[:, None] + 0.01 * np.arange(5)).ravel()
+    bursts = Recording.from_arrays("bursts", time, {"angle": (np.cos(time), "rad")})
+    with pytest.raises(RecordingError, match=r"bursts of about 5.*one row of each"):
+        windows(bursts)
+    one_of_each = bursts.rows(range(0, 200, 5))
+    assert [window.samples for window in windows(one_of_each)] == [slice(0, 40)]

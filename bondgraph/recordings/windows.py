@@ -33,6 +33,9 @@ NEIGHBOURS = 5
 RARE_SHARE, RARE_COUNT = 0.02, 5
 """So many steps, of all or at all, are rare."""
 
+BURSTS = 10
+"""So many stretches, all of them short, are how a logger writes."""
+
 SHORTEST_WINDOW = 8
 """Samples; a remainder shorter than this joins the window before it."""
 
@@ -129,9 +132,21 @@ def windows(
             f"{_counted(recording)}.",
             (recording.name,),
             f"A gap is a step of more than {GAP_FACTOR:g} median steps "
-            f"({recording.step:.4g} s). Record for longer, or split elsewhere.",
+            f"({recording.step:.4g} s). {_way_out(recording)}",
         )
     return tuple(kept)
+
+
+def _way_out(recording: Recording | BoundRecording) -> str:
+    """Return what to do about a recording that is nothing but gaps."""
+    count = len(stretches(recording.time))
+    together = len(recording) / count
+    if count < BURSTS or together < 2:
+        return "Record for longer, or split elsewhere."
+    return (
+        f"Its rows come in bursts of about {together:.0f}: keep one row of each burst, "
+        "and what lies between is a step like any other."
+    )
 
 
 def split(

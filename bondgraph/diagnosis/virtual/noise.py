@@ -71,6 +71,8 @@ def _beside_jumps(recording: BoundRecording, values: Array) -> NoiseEstimate:
     count: what moves all the time may carry the sensor's own noise, fed back.
     """
     plain = estimate_noise(recording.time, values)
+    if len(values) < 2:
+        return plain
     moves = np.mean(np.diff(recording.inputs, axis=0) != 0.0, axis=0)
     steps = recording.inputs[:, (moves > 0.0) & (moves < MOVING)]
     changes, answers = np.diff(steps, axis=0), np.diff(values)
