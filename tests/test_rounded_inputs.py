@@ -11,8 +11,8 @@ from handmade_diagnosis import cart_diagnosis
 from bondgraph import BondGraph, C, FitSettings, Recording, Sf, bind_to
 from bondgraph.diagnosis.answer.rounded_inputs import (
     LEFT,
+    covering_step,
     doubted_within_rounding,
-    step_not_left,
 )
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.fitting.estimate import fit_model
@@ -55,7 +55,7 @@ def round_with(width, decimals):
 )
 def test_a_law_within_the_last_digit_is_seen(width, decimals, step):
     # A command in whole amperes is taken for what was commanded, not for rounded.
-    assert step_not_left(round_with(width, decimals)) == (
+    assert covering_step(round_with(width, decimals)) == (
         None if step is None else pytest.approx(step)
     )
 

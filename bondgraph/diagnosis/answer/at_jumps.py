@@ -6,7 +6,6 @@ two, whatever the machine. A law that explains little elsewhere may only mend th
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,12 +56,12 @@ def doubted_at_jumps(
 def _told(finding: Finding, share: float) -> Finding:
     if finding.physics in TIMING or share < MOSTLY:
         return finding
-    statement = finding.statement + (
+    why = (
         f" {100 * share:.0f} % of what is explained lies within a sample of where an "
         "input jumps: what that did between two samples was not recorded, and may be "
         "all there is. Sample faster, or record the command and hold it."
     )
-    return less_probable(replace(finding, statement=statement), LEFT)
+    return less_probable(finding, LEFT, why)
 
 
 def explained_at_jumps(before: FittedModel, after: FittedModel) -> float:

@@ -79,8 +79,9 @@ def _beside_curves(finding: Finding) -> float:
     return EVEN_CHANCE if elsewhere else COMES_NEAR
 
 
-def less_probable(finding: Finding, share: float) -> Finding:
-    """Return a finding of which only that share of its probability is left."""
+def less_probable(finding: Finding, share: float, why: str = "") -> Finding:
+    """Return a finding of which only that share of its probability is left, and why."""
+    finding = replace(finding, statement=finding.statement + why)
     if finding.probability is None:
         return finding
     sure, said = share * finding.probability, finding.statement

@@ -8,7 +8,6 @@ its domain leave out most; and so is what was found beside it later.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -79,9 +78,7 @@ def doubted_in_one_size(
         before = doubted and alike
         own = _is_doubted(one, finding, alike=alike)
         if own or before:
-            why = BESIDE if doubted else AS_WELL
-            said = replace(finding, statement=finding.statement + why)
-            told.append(less_probable(said, LEFT))
+            told.append(less_probable(finding, LEFT, BESIDE if doubted else AS_WELL))
         else:
             told.append(finding)
         doubted = doubted or own

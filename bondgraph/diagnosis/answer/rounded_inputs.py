@@ -5,7 +5,6 @@ adds that up, and what bends the current by as little explains some of the sum.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -37,19 +36,19 @@ def doubted_within_rounding(
 
 
 def _told(finding: Finding, found: Round) -> Finding:
-    step = step_not_left(found)
+    step = covering_step(found)
     if step is None:
         return finding
-    statement = finding.statement + (
+    why = (
         f" It changes {finding.place} by no more than the step of {step:.3g} to which "
         "that was rounded when it was recorded, and may be no more than that rounding. "
         "Record it with more digits."
     )
-    return less_probable(replace(finding, statement=statement), LEFT)
+    return less_probable(finding, LEFT, why)
 
 
-def step_not_left(found: Round) -> float | None:
-    """Return the step of a rounded input that a law changes by no more; None else.
+def covering_step(found: Round) -> float | None:
+    """Return the step of a rounded input that covers what a law changes; None else.
 
     A law that remembers, such as a delay, is none of the kind: between samples it
     changes what jumps by whole jumps.

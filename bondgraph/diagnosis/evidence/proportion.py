@@ -6,8 +6,6 @@ much: no number of newton metres, and yet surely that there is some. A scale tha
 recordings leave nearly open, as a stroke tells that of a brake's flows, is one as well.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -76,7 +74,7 @@ def _open_scales(fitted: FittedModel) -> tuple[Array, Array]:
     return directions[:, -1:].T, size * np.linalg.norm(kept, axis=1)
 
 
-def _stands_out(errors: Sequence[float] | Array) -> bool:
+def _stands_out(errors: Array) -> bool:
     """Return whether the last of ascending relative errors is a scale by itself."""
     *others, last = errors
     return bool(last * ERRORS > 1.0 and last > WEAKER * max(others, default=0.0))

@@ -11,15 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.evidence.leftover import ADEQUATE_RATIO
-from bondgraph.fitting.estimate import FittedModel
-from bondgraph.fitting.levenberg_marquardt import minimise
+from bondgraph.fitting.estimate import FittedModel, weigh
 
 Array = NDArray[np.float64]
 HIDDEN = 0.25
 """An output with less than this share of the largest weighed residual is hidden."""
 
 ITERATIONS = 30
-TOLERANCE = 1e-4
 
 
 def weighed_anew(fitted: FittedModel, noise: Array) -> FittedModel:
@@ -32,20 +30,13 @@ def weighed_anew(fitted: FittedModel, noise: Array) -> FittedModel:
     noise
         Residual per output that noise excuses, 0 where it is not known.
     """
-    problem = fitted.problem
     left = np.sqrt(np.nanmean(fitted.residuals() ** 2, axis=0))
-    weighed = left / problem.sigma
+    weighed = left / fitted.problem.sigma
     hidden = (weighed < HIDDEN * weighed.max()) & (left > ADEQUATE_RATIO * noise)
-    if not hidden.any() or not (left > 0.0).all():
+    if not hidden.any():
         return fitted
-    anew = replace(problem, sigma=left)
-    optimum = minimise(
-        anew,
-        fitted.optimum.theta,
-        fitted.optimum.initial,
-        iterations=ITERATIONS,
-        tolerance=TOLERANCE,
-    )
+    settings = replace(fitted.settings, iterations=ITERATIONS)
+    problem, optimum = weigh(fitted.problem, fitted.optimum, settings)
     if not np.isfinite(optimum.cost):
         return fitted
-    return replace(fitted, problem=anew, optimum=optimum)
+    return replace(fitted, problem=problem, optimum=optimum)
