@@ -37,7 +37,10 @@ from bondgraph.numeric.model import compile_model
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.shooting import Shots, shoot
 
-STEP, SAMPLES = 0.01, 200
+STEP = 0.01
+SHORT, LONG = 100, 15_000
+"""Samples: a fit to so few runs the tape, one to so many native code."""
+WINDOWS = FitSettings(horizon=Windows(50))
 
 
 def cart(friction: sympy.Expr) -> FinishedGraph:
@@ -51,38 +54,38 @@ def cart(friction: sympy.Expr) -> FinishedGraph:
     return graph.finish()
 
 
-def shaken(graph: FinishedGraph) -> BoundRecording:
+def shaken(graph: FinishedGraph, samples: int) -> BoundRecording:
     """Return a recording of the cart with viscous friction, by semi-implicit Euler."""
     random = np.random.default_rng(1)
-    force = np.repeat(random.normal(size=SAMPLES // 20), 20)
-    position, x, v = np.zeros(SAMPLES), 0.0, 0.0
-    for k in range(SAMPLES):
+    force = np.repeat(random.normal(size=samples // 20), 20)
+    position, x, v = np.zeros(samples), 0.0, 0.0
+    for k in range(samples):
         position[k] = x
         v += STEP * (force[k] - 1.1 * v - 9.0 * x)
         x += STEP * v
-    position += 1e-3 * random.normal(size=SAMPLES)
+    position += 1e-3 * random.normal(size=samples)
     channels = {"force": (force, "N"), "position": (position, "m")}
-    time = STEP * np.arange(SAMPLES)
+    time = STEP * np.arange(samples)
     return bind_to(graph, Recording.from_arrays("shaken", time, channels))
 
 
 def tape() -> None:
-    """Compile what runs tapes, as for short recordings, and what reads their slopes."""
-    size, windows = sympy.Symbol("size"), FitSettings(horizon=Windows(50))
+    """Compile what runs tapes, as for short recordings and dry friction; filters."""
+    size = sympy.Symbol("size")
     dry, smooth = cart(size * sympy.sign(f)), cart(size * f)
-    fit(dry, [shaken(dry)], settings=windows)
-    recording = shaken(smooth)
-    found = fit(smooth, [recording], settings=windows)
-    locate(found.fitted, [recording], places=["wheel"])
-    fit_innovations(smooth, [recording])
+    for graph in (dry, smooth):
+        fit(graph, [shaken(graph, SHORT)], settings=WINDOWS)
+    fit_innovations(smooth, [shaken(smooth, SHORT)])
 
 
 def native() -> None:
-    """Compile what steps native code, and the slopes of large models."""
+    """Compile what steps native code, smoothers, and the slopes of large models."""
     graph = cart(sympy.Symbol("size") * f)
-    recording = shaken(graph)
+    recording = shaken(graph, LONG)
+    found = fit(graph, [recording], settings=WINDOWS)
+    locate(found.fitted, [recording], places=["wheel"])
     model = compile_model(derive(graph))
-    shots = Shots(recording.time, recording.inputs, recording.outputs, (0, SAMPLES))
+    shots = Shots(recording.time, recording.inputs, recording.outputs, (0, LONG))
     for solver in (RungeKutta4(), Sdirk2()):
         shoot(
             model,

@@ -39,3 +39,7 @@ lean = _decorator(_nrt=False)
 """For functions that allocate nothing."""
 inlined = _decorator(_nrt=False, forceinline=True)
 """For small ones of them, written out where they are called."""
+only_there = _decorator(inline="always")
+"""For what one other function calls: compiled as a part of that one alone.
+
+Whatever calls a compiled function compiles all of it again."""

@@ -8,7 +8,7 @@ The time of the event depends on the parameters, so the sensitivities jump there
 
 import math
 
-from bondgraph.numeric.compiled.loops import Array, inlined, lean
+from bondgraph.numeric.compiled.loops import Array, inlined, lean, only_there
 from bondgraph.numeric.compiled.newton import GLANCE
 from bondgraph.numeric.kernel.machine import run
 from bondgraph.numeric.kernel.method import Drive, Method, Steps, set_inputs
@@ -34,7 +34,7 @@ def margin_left(system: System, work: Work, steps: Steps) -> tuple[float, int]:
     return least, which
 
 
-@lean
+@only_there
 def _locate(
     system: System, work: Work, method: Method, steps: Steps, x: Array, dx: Array,
     drive: Drive, elapsed: float, h: float, start: float,
@@ -89,7 +89,7 @@ def _move_of_event(
         steps.moved[m] = -work.dq[slot, m] / speed if speed != 0.0 else 0.0
 
 
-@lean
+@only_there
 def _jump(
     system: System, work: Work, method: Method, steps: Steps, x: Array, dx: Array,
     drive: Drive, elapsed: float, h: float, n: int, which: int,
@@ -117,7 +117,7 @@ def _jump(
     return True
 
 
-@lean
+@only_there
 def step_to_event(
     system: System, work: Work, method: Method, steps: Steps, x: Array, dx: Array,
     drive: Drive, elapsed: float, h: float, n: int, start: float,

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bondgraph.numeric.compiled.loops import Array, Integers, compiled, inlined, lean
+from bondgraph.numeric.compiled.loops import Array, compiled, inlined, Integers, lean, only_there
 from bondgraph.numeric.compiled.newton import GLANCE
 from bondgraph.numeric.kernel.machine import run
 from bondgraph.numeric.kernel.method import Drive, Method, Steps, make_steps, set_inputs
@@ -93,7 +93,7 @@ def _put(v: Array, at: int, values: Array) -> None:
         v[at + i] = values[i]
 
 
-@compiled
+@only_there
 def integrate(
     system: System, fast: Fast, method: Method, constants: Array,
     output_constants: Array, parameters: Array, directions: Integers, time: Array,

@@ -6,14 +6,14 @@ sensitivities: those of the discrete solution.
 
 import numpy as np
 
-from bondgraph.numeric.compiled.loops import Array, Integers, compiled, lean
+from bondgraph.numeric.compiled.loops import Array, compiled, Integers, lean, only_there
 from bondgraph.numeric.native.implicit_step import Path, Tableau, cross, set_inputs
 from bondgraph.numeric.native.model import NativeSystem
 from bondgraph.numeric.native.samples import read_outputs, variables
 from bondgraph.numeric.native.stage import Stage, differentiate, make_stage, solve
 
 
-@compiled
+@only_there
 def integrate_implicit(
     system: NativeSystem, method: Tableau, parameters: Array, directions: Integers,
     time: Array, u: Array, x0: Array,

@@ -8,7 +8,7 @@ one.
 import math
 from typing import NamedTuple
 
-from bondgraph.numeric.compiled.loops import Array, Integers, inlined, lean
+from bondgraph.numeric.compiled.loops import Array, inlined, Integers, lean, only_there
 from bondgraph.numeric.compiled.newton import GLANCE, SHORTEST
 from bondgraph.numeric.native.model import NativeSystem
 from bondgraph.numeric.native.stage import Stage, differentiate, solve
@@ -51,7 +51,7 @@ def set_inputs(
     v[system.n_variables - 1] = time + elapsed
 
 
-@lean
+@only_there
 def cross(
     system: NativeSystem, method: Tableau, stage: Stage, path: Path,
     directions: Integers, n: int, u: Array, row: int, time: float, elapsed: float,
@@ -77,7 +77,7 @@ def cross(
     return True
 
 
-@lean
+@only_there
 def _advance(  # noqa: C901, PLR0912  (a compiled loop)
     system: NativeSystem, method: Tableau, stage: Stage, path: Path,
     directions: Integers, n: int, u: Array, row: int, time: float, elapsed: float,
