@@ -20,9 +20,10 @@ def factor(a: Array, n: int, pivot: Integers) -> bool:
             for j in range(n):
                 a[k, j], a[best, j] = a[best, j], a[k, j]
         for i in range(k + 1, n):
-            a[i, k] /= a[k, k]
-            for j in range(k + 1, n):
-                a[i, j] -= a[i, k] * a[k, j]
+            if a[i, k] != 0.0:
+                a[i, k] /= a[k, k]
+                for j in range(k + 1, n):
+                    a[i, j] -= a[i, k] * a[k, j]
     return True
 
 
@@ -36,11 +37,15 @@ def substitute(a: Array, n: int, pivot: Integers, b: Array, m: int) -> None:
                 b[k, j], b[best, j] = b[best, j], b[k, j]
     for k in range(n):
         for i in range(k + 1, n):
-            for j in range(m):
-                b[i, j] -= a[i, k] * b[k, j]
+            share = a[i, k]
+            if share != 0.0:
+                for j in range(m):
+                    b[i, j] -= share * b[k, j]
     for k in range(n - 1, -1, -1):
         for j in range(m):
             b[k, j] /= a[k, k]
         for i in range(k):
-            for j in range(m):
-                b[i, j] -= a[i, k] * b[k, j]
+            share = a[i, k]
+            if share != 0.0:
+                for j in range(m):
+                    b[i, j] -= share * b[k, j]

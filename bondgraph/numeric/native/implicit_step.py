@@ -101,8 +101,10 @@ def _advance(  # noqa: C901, PLR0912  (a compiled loop)
             for i in range(nx):
                 for m in range(n):
                     path.dbase[i, m] = path.dx[i, m]
-                    for r in range(s):
-                        path.dbase[i, m] += h * a[s, r] * path.dk[r, i, m]
+                for r in range(s):
+                    weight = h * a[s, r]
+                    for m in range(n):
+                        path.dbase[i, m] += weight * path.dk[r, i, m]
             if not differentiate(system, stage, path.dbase, part, directions, n):
                 return False
             for i in range(nx):

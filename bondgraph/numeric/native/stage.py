@@ -223,14 +223,17 @@ def differentiate(
     call_slopes(system.slopes, stage.v, stage.j)
     if not _factor(system, stage, h):
         return False
+    nq = min(len(directions), n)
     for i in range(nw):
         sign = 1.0 if i < nx else -1.0
         for m in range(n):
-            total = 0.0
-            for k in range(nx):
-                total += stage.j[i * nc + k] * dbase[k, m]
-            if m < len(directions):
-                total += stage.j[i * nc + nx + nw + directions[m]]
-            stage.dw[i, m] = sign * total
+            stage.dw[i, m] = 0.0
+        for k in range(nx):
+            slope = sign * stage.j[i * nc + k]
+            if slope != 0.0:
+                for m in range(n):
+                    stage.dw[i, m] += slope * dbase[k, m]
+        for m in range(nq):
+            stage.dw[i, m] += sign * stage.j[i * nc + nx + nw + directions[m]]
     substitute(stage.lu, nw, stage.pivot, stage.dw, n)
     return True
