@@ -9,7 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bondgraph.numeric.compiled.loops import Array, compiled, inlined, Integers, lean, only_there
+from bondgraph.numeric.compiled.loops import (
+    Array,
+    Integers,
+    compiled,
+    inlined,
+    lean,
+    only_there,
+)
 from bondgraph.numeric.compiled.newton import GLANCE
 from bondgraph.numeric.kernel.machine import run
 from bondgraph.numeric.kernel.method import Drive, Method, Steps, make_steps, set_inputs

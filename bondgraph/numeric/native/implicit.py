@@ -6,7 +6,7 @@ sensitivities: those of the discrete solution.
 
 import numpy as np
 
-from bondgraph.numeric.compiled.loops import Array, compiled, Integers, lean, only_there
+from bondgraph.numeric.compiled.loops import Array, Integers, lean, only_there
 from bondgraph.numeric.native.implicit_step import Path, Tableau, cross, set_inputs
 from bondgraph.numeric.native.model import NativeSystem
 from bondgraph.numeric.native.samples import read_outputs, variables

@@ -8,7 +8,7 @@ one.
 import math
 from typing import NamedTuple
 
-from bondgraph.numeric.compiled.loops import Array, inlined, Integers, lean, only_there
+from bondgraph.numeric.compiled.loops import Array, Integers, inlined, only_there
 from bondgraph.numeric.compiled.newton import GLANCE, SHORTEST
 from bondgraph.numeric.native.model import NativeSystem
 from bondgraph.numeric.native.stage import Stage, differentiate, solve
