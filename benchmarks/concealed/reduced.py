@@ -30,7 +30,7 @@ CONCEALED = (
     ("flegx_drive", "load_dependent_friction", "worm"),
     ("cart", "tabulated_law", "cart"),
 )
-MINUTES = 2.0
+MINUTES = 1.0
 """The search for a case is ended after that; its answer is what was found by then."""
 
 FLOOR = 5
