@@ -245,6 +245,9 @@ def test_simulate_tells_held_inputs_also_where_they_always_change(
     said = run(*words).stdout
     assert "Inputs are taken to be held" in said
     assert why in said
+    quiet = run(*words, "--quiet").stdout
+    assert "rms" in quiet
+    assert "Inputs" not in quiet
     errors = [
         json.loads(run(*words, "--hold", hold, "--json", "-").stdout)["nrmse"]
         for hold in ("auto", "zero", "first")

@@ -23,6 +23,7 @@ from bondgraph import (
     displacement,
     effort,
     f,
+    flow,
     linearise,
     q,
 )
@@ -336,6 +337,19 @@ def test_coulomb_friction_has_no_linear_form_at_rest() -> None:
         linearise(equations)
     moving = linearise(equations, {"p_m": 2.0}).transfer_function()
     assert agree(moving.expression, expression("1/(m*s**2)"))
+
+
+def test_an_input_that_is_divided_by_is_named_where_it_is_zero() -> None:
+    graph = BondGraph("wheel", domain="rotation")
+    tyre = R("tyre", law=sympy.Symbol("c") * f / flow("road"))
+    graph.one("wheel", Se("torque"), I("j"), tyre)
+    graph.one("road", Sf("drum"), R("bearing"))
+    graph.measure("speed", flow="wheel")
+    equations = derive(graph.finish())
+    with pytest.raises(EquationError, match="it divides by drum, which is 0"):
+        linearise(equations)
+    rolling = linearise(equations, {"drum": 2}).transfer_function("speed", "torque")
+    assert agree(rolling.expression, expression("1/(j*s + c/2)"))
 
 
 def test_drag_is_linearised_at_speed_through_assigned_symbols() -> None:

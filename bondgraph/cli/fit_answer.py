@@ -81,8 +81,13 @@ def known(
         yield error.status.value
 
 
-def hold_words(hold: Hold, recordings: Sequence[BoundRecording]) -> str:
-    """Return what inputs were taken to do between samples, and why."""
+def hold_words(
+    hold: Hold, recordings: Sequence[BoundRecording], where: str = ""
+) -> str:
+    """Return what inputs were taken to do between samples, and why.
+
+    `where` says of what it is true that it fits better.
+    """
     held = hold is Hold.ZERO
     option = "--hold zero" if held else "--hold first"
     alike = (
@@ -92,7 +97,8 @@ def hold_words(hold: Hold, recordings: Sequence[BoundRecording]) -> str:
     )
     if any(go_in_steps([one]) is not held for one in recordings):
         alike += ", all recordings taken together"
-    why = alike if held is go_in_steps(recordings) else "as that fits better"
+    better = f"as that fits better {where}".rstrip()
+    why = alike if held is go_in_steps(recordings) else better
     return f"Inputs are taken to be {hold.value} between samples, {why} ({option})."
 
 

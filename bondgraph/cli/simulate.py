@@ -122,15 +122,15 @@ def command(
     session.say(f"{together} is {relative_error(solution.score, spread)}.")
     whole = isinstance(settings.horizon, WholeRecordings)
     if whole and solution.score.nrmse > ASTRAY:
-        session.say(FAR_OFF if bound.steady else STRETCHES)
+        session.hint(FAR_OFF if bound.steady else STRETCHES)
     # Pseudo bonds of heat carry no power, and analogue ones none that is in joules.
     if solution.audit.has_flowed and not set(graph.domains) <= {THERMAL, ANALOGUE}:
         session.say(_energy_words(solution.audit))
     session.say(_event_words(solution.events))
     for note in read.notes:
-        session.say(note)
+        session.hint(note)
     if hold is not None:
-        session.say(hold_words(hold, [bound]))
+        session.hint(hold_words(hold, [bound], "with these values"))
     if solution.reason:  # of a run with accounts, where the one without them went on
         session.say(solution.reason)
     if output is not None:

@@ -17,6 +17,9 @@ from bondgraph.equations.steady_state import SteadyState, point_values
 from bondgraph.errors import EquationError, did_you_mean
 from bondgraph.structure.signals import as_expression, t
 
+AWAY = (
+    "Give an operating point away from the kink, such as a velocity that is not zero."
+)
 _UNDEFINED = (sympy.DiracDelta, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 
 
@@ -64,10 +67,23 @@ class OperatingPoint:
             return partial
         value = self._evaluated(partial).replace(sympy.DiracDelta, _spike)
         if value.has(*_UNDEFINED):
+            what = f"the derivative {partial} is not defined there"
+            below = self._zeros_below(partial)
+            if not below:
+                raise self._refusal(what, partial)
+            names = " and ".join(sorted(map(str, below)))
             raise self._refusal(
-                f"the derivative {partial} is not defined there", partial
+                f"{what}: it divides by {names}, which is 0",
+                partial,
+                way_out=f"Give an operating point at which {names} is not zero.",
             )
         return value
+
+    def _zeros_below(self, partial: sympy.Expr) -> set[sympy.Symbol]:
+        """Return the states and inputs by which is divided, and which are zero."""
+        below = [p.base for p in partial.atoms(sympy.Pow) if p.exp.is_negative]
+        divisors = set().union(*(base.free_symbols for base in below))
+        return {x for x in divisors if self._values.get(x) == 0}
 
     def smooth(self, value: sympy.Expr, of: str) -> sympy.Expr:
         """Return `value`, the same on every side of the kinks it depends on.
@@ -94,13 +110,14 @@ class OperatingPoint:
             where = " and ".join(f"{g} = 0" for g in points)
             raise self._refusal(f"{of} jumps at {where}", *points)
 
-    def _refusal(self, what: str, *about: sympy.Expr) -> EquationError:
+    def _refusal(
+        self, what: str, *about: sympy.Expr, way_out: str = AWAY
+    ) -> EquationError:
         return EquationError(
             f"{self._equations.name!r} has no linear form at this operating point: "
             f"{what}.",
             tuple(sorted({str(x) for e in about for x in e.free_symbols})),
-            "Give an operating point away from the kink, such as a velocity that is "
-            "not zero.",
+            way_out,
         )
 
     def _evaluated(self, expression: sympy.Expr) -> sympy.Expr:
