@@ -32,7 +32,7 @@ EXACT = 1e-4
 TOLD_STD = 0.1
 """No step shorter than this, in standard deviations of a white fit, is worth taking."""
 
-REPAIR_ITERATIONS = 2
+REPAIR_ITERATIONS = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
