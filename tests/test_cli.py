@@ -265,7 +265,7 @@ def test_simulate_and_fit_leave_misreadings_out_and_say_so(model, recording, tmp
     spoilt = tmp_path / "spoilt.csv"
     spoilt.write_text("\n".join(lines))
     true = ("--set", f"mass={MASS}", "--set", f"viscous={VISCOUS}", "--hold", "zero")
-    said = run("simulate", model, spoilt, *true).stdout
+    said = run("simulate", model, spoilt, *true, "--quiet").stdout
     assert "velocity of spoilt jumps away and back at sample 40, 171" in said
     share = float(re.search(r"That is (.*) % of", said)[1])
     assert share < 1.0

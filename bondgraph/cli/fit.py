@@ -119,11 +119,11 @@ def command(
     if ends and (INTERVAL not in table or session.verbose):
         session.say(ends)
         session.say()
-    words = [*known(result, whole, graph, bound), *read.notes]
+    for words in (*known(result, whole, graph, bound), *read.notes):
+        session.say(words)
     problem = fitted.problem
     if either_hold and problem.model.input_names and problem.model.n_states:
-        words.append(hold_words(problem.hold, bound))
-    session.say("\n".join(words))
+        session.hint(hold_words(problem.hold, bound))
     if result.status is FitStatus.ITERATION_LIMIT:
         session.hint(NOT_CONVERGED)
     if result.unidentifiable:

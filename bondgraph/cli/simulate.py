@@ -127,8 +127,8 @@ def command(
     if solution.audit.has_flowed and not set(graph.domains) <= {THERMAL, ANALOGUE}:
         session.say(_energy_words(solution.audit))
     session.say(_event_words(solution.events))
-    for note in read.notes:
-        session.hint(note)
+    for note in read.notes:  # What is left out of a recording is said in any case.
+        session.say(note)
     if hold is not None:
         session.hint(hold_words(hold, [bound], "with these values"))
     if solution.reason:  # of a run with accounts, where the one without them went on

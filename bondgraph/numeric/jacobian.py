@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from bondgraph.equations.transfer.operating_point import AWAY
 from bondgraph.errors import EquationError
 from bondgraph.numeric.model import NumericModel, evaluate
 from bondgraph.numeric.tape import Tape
@@ -197,8 +198,7 @@ def _refuse_kink(
                 f"{model.name!r} has no linear form at this operating point: "
                 f"{_result(model, tape, int(found[0]))} {word} there.",
                 (model.name,),
-                "Give an operating point away from the kink, such as a velocity that "
-                "is not zero.",
+                AWAY,
             )
 
 

@@ -71,7 +71,7 @@ class OperatingPoint:
             below = self._zeros_below(partial)
             if not below:
                 raise self._refusal(what, partial)
-            names = " and ".join(sorted(map(str, below)))
+            names = " and ".join(below)
             raise self._refusal(
                 f"{what}: it divides by {names}, which is 0",
                 partial,
@@ -79,11 +79,10 @@ class OperatingPoint:
             )
         return value
 
-    def _zeros_below(self, partial: sympy.Expr) -> set[sympy.Symbol]:
-        """Return the states and inputs by which is divided, and which are zero."""
-        below = [p.base for p in partial.atoms(sympy.Pow) if p.exp.is_negative]
-        divisors = set().union(*(base.free_symbols for base in below))
-        return {x for x in divisors if self._values.get(x) == 0}
+    def _zeros_below(self, partial: sympy.Expr) -> list[str]:
+        """Return, as they are written, the divisors that are zero."""
+        below = {p.base for p in partial.atoms(sympy.Pow) if p.exp.is_negative}
+        return sorted(str(base) for base in below if self._evaluated(base) == 0)
 
     def smooth(self, value: sympy.Expr, of: str) -> sympy.Expr:
         """Return `value`, the same on every side of the kinks it depends on.
