@@ -54,7 +54,12 @@ def candidate(
 ):
     domains = [SimpleNamespace(name=domain)] if domain else []
     hypothesis = SimpleNamespace(
-        physics=physics, place=place, extends=extends, factor=1, depends_on=()
+        physics=physics,
+        place=place,
+        other_end="",
+        extends=extends,
+        factor=1,
+        depends_on=(),
     )
     return SimpleNamespace(
         hypothesis=hypothesis,

@@ -177,6 +177,21 @@ def heaters() -> FinishedGraph:
     )
 
 
+def two_axes() -> FinishedGraph:
+    """Two axes that cables pull back, and that nothing joins."""
+    g = BondGraph("two axes", domain="rotation")
+    for axis in ("pan", "tilt"):
+        g.one(axis, Se(f"{axis}_torque"), I(f"{axis}_mass"), C(f"{axis}_cable"))
+        g.measure(f"{axis}_angle", displacement=axis)
+    return known(
+        g,
+        pan_mass=(0.2, "kg*m^2"),
+        tilt_mass=(0.1, "kg*m^2"),
+        pan_cable=(0.3, "rad/(N*m)"),
+        tilt_cable=(0.4, "rad/(N*m)"),
+    )
+
+
 def damper() -> FinishedGraph:
     """A damper whose motion is imposed and whose force is measured."""
     g = BondGraph("damper", domain="translation")
@@ -226,6 +241,7 @@ MACHINES = {
         draining_tank,
         piped_tanks,
         heaters,
+        two_axes,
         damper,
         lamp,
         servo,

@@ -5,6 +5,7 @@ import sympy
 from physics_machines import known
 
 from bondgraph import BondGraph, C, FinishedGraph, I, R, Se, Sf
+from bondgraph.physics.coupling import Drag, SharedInertia, Tie
 from bondgraph.physics.induction import InducedCurrent
 from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.one_way import DirectionDependentDamping
@@ -17,14 +18,23 @@ from bondgraph.structure.domains import DOMAINS
 from bondgraph.structure.elements import Compliance, Inertance, Resistance
 from bondgraph.structure.signals import Signal, displacement, effort, f, flow
 
-NO_TWINS = (StoreBehind, StoreAmid, InducedCurrent, DirectionDependentDamping)
+NO_TWINS = (
+    StoreBehind,
+    StoreAmid,
+    InducedCurrent,
+    DirectionDependentDamping,
+    Drag,
+    Tie,
+    SharedInertia,
+)
 
 
 def words_at(graph: FinishedGraph) -> set[str]:
     """Return what the library proposes for a graph, at any place.
 
-    A store behind a resistance, amid one or beside one has a store's word, and damping
-    that of dry friction; they are no twins.
+    A store behind a resistance, amid one or beside one has a store's word, damping
+    that of dry friction, and what is between two motions that of what is at one; they
+    are no twins.
     """
     plain = [physics for physics in LIBRARY if not isinstance(physics, NO_TWINS)]
     return {

@@ -21,7 +21,6 @@ from bondgraph.physics.places.scales import Scales
 from bondgraph.physics.relaxation import StoreBehind
 from bondgraph.physics.thermal import TemperatureDependentResistance
 from bondgraph.structure.edits import (
-    ConnectJunctions,
     InsertElement,
     ReplaceMeasurement,
     ReplaceRelation,
@@ -33,6 +32,7 @@ from bondgraph.structure.edits import (
 from bondgraph.structure.elements import (
     Compliance,
     FlowSource,
+    Gyrator,
     Inertance,
     Transformer,
 )
@@ -248,6 +248,8 @@ def _unit_of(element, hypothesis, domain):
     law = hypothesis.law
     if isinstance(element, Transformer):
         return "1"
+    if isinstance(element, Gyrator):
+        return f"({domain.effort_unit})/({domain.flow_unit})"
     if q in law.free_symbols:
         return domain.effort_unit
     if isinstance(element, Inertance):
@@ -255,8 +257,7 @@ def _unit_of(element, hypothesis, domain):
     if isinstance(element, Compliance):
         return domain.displacement_unit
     flowing = isinstance(element, FlowSource) or e in law.free_symbols
-    between = isinstance(hypothesis.edit, ConnectJunctions)
-    return domain.flow_unit if flowing or between else domain.effort_unit
+    return domain.flow_unit if flowing else domain.effort_unit
 
 
 @kinds(lambda h: isinstance(h.edit, InsertElement))

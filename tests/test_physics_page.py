@@ -57,7 +57,9 @@ def table() -> str:
 
 def _kind(place: Place) -> str:
     name = type(place).__name__.removesuffix("Place")
-    return {"OneJunction": "1", "ZeroJunction": "0"}.get(name, name.lower())
+    kinds = {"OneJunction": "1", "ZeroJunction": "0"}
+    kinds |= {"StockPair": "pair", "MotionPair": "motions"}
+    return kinds.get(name, name.lower())
 
 
 def _law(place: Place, hypothesis: Hypothesis) -> str:

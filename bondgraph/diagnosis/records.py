@@ -86,6 +86,8 @@ class Finding:
         parameters, of which the recordings leave a scale open.
     domain
         The name of the domain there, whose words tell it.
+    other_end
+        The second junction of what joins two; empty for what sits at one place.
     """
 
     physics: str
@@ -99,6 +101,7 @@ class Finding:
     in_proportion: tuple[str, ...] = ()
     probability: float | None = None
     domain: str = ""
+    other_end: str = ""
 
     @property
     def name(self) -> str:

@@ -9,7 +9,7 @@ import sympy
 
 from bondgraph.physics.places.base import Coefficient, Place
 from bondgraph.structure.domains import EnergyDomain
-from bondgraph.structure.edits import GraphEdit
+from bondgraph.structure.edits import ConnectJunctions, CoupleJunctions, GraphEdit
 from bondgraph.structure.edits.elements import InsertElement
 from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.signals import e, f, p, q, signals_in
@@ -119,6 +119,13 @@ class Hypothesis:
     def parameters(self) -> tuple[str, ...]:
         """Names of the parameters it adds and that are fitted."""
         return tuple(p.name for p in self.edit.parameters if not p.exact)
+
+    @property
+    def other_end(self) -> str:
+        """The second junction of what joins two; empty for what sits at one place."""
+        if isinstance(self.edit, ConnectJunctions | CoupleJunctions):
+            return self.edit.second
+        return ""
 
     @property
     def repeats(self) -> bool:

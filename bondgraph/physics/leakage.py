@@ -6,7 +6,7 @@ from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import E, F, Place
 from bondgraph.physics.places.bond import BondPlace
 from bondgraph.physics.places.junction import ZeroJunctionPlace
-from bondgraph.physics.places.pair import PairPlace
+from bondgraph.physics.places.pair import StockPair
 from bondgraph.structure.domains import (
     ANALOGUE,
     ELECTRICAL,
@@ -34,7 +34,7 @@ class Leak(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at 0-junctions without a freely fitted linear R, and for pairs."""
-        if isinstance(place, PairPlace) and self.suits(place):
+        if isinstance(place, StockPair) and self.suits(place):
             yield self._between(place)
         if not isinstance(place, ZeroJunctionPlace) or not self.suits(place):
             return
@@ -49,7 +49,7 @@ class Leak(AbstractPhysics):
         words = f"{place.a(F)} lost in proportion to {place.domain.effort}"
         return self.hypothesis(place, place.insert(element, g), law, (g,), words)
 
-    def _between(self, place: PairPlace) -> Hypothesis:
+    def _between(self, place: StockPair) -> Hypothesis:
         some = 0.2 * place.flow / place.effort
         stem = f"leak_to_{place.second}_from"
         g = place.strength(stem, place.unit(F, E), (0.0, some), low=0.0)

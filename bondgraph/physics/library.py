@@ -11,6 +11,12 @@ from bondgraph.physics.actuation import (
 )
 from bondgraph.physics.bias import ConstantBias
 from bondgraph.physics.contact import AddedCompliance, Backlash, SeriesCompliance
+from bondgraph.physics.coupling import (
+    Drag,
+    GyroscopicCoupling,
+    SharedInertia,
+    Tie,
+)
 from bondgraph.physics.drag import QuadraticDrag, SpeedLimit
 from bondgraph.physics.dynamics import Delay, Lag
 from bondgraph.physics.friction import (
@@ -73,6 +79,10 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     EndStop(),
     SeriesCompliance(),
     FlexibleMode(),
+    Drag(),
+    Tie(),
+    SharedInertia(),
+    GyroscopicCoupling(),
     Backlash(),
     DahlHysteresis(),
     BoucWenHysteresis(),

@@ -11,7 +11,7 @@ from bondgraph.physics.places.junction import (
     OneJunctionPlace,
     ZeroJunctionPlace,
 )
-from bondgraph.physics.places.pair import PairPlace
+from bondgraph.physics.places.pair import StockPair
 from bondgraph.structure.domains import ELECTRICAL
 from bondgraph.structure.edits import InsertElement, ReplaceRelation, SeveralEdits
 from bondgraph.structure.elements import FlowSource, Resistance, ZeroJunction
@@ -29,7 +29,7 @@ class SquareRootOrifice(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at 0-junctions and for pairs; smooth within 0.1 % of the effort."""
-        if isinstance(place, PairPlace) and self.suits(place):
+        if isinstance(place, StockPair) and self.suits(place):
             yield self._between(place)
         if not isinstance(place, ZeroJunctionPlace) or not self.suits(place):
             return
@@ -41,7 +41,7 @@ class SquareRootOrifice(AbstractPhysics):
         edit = place.insert(element, k, at)
         yield self.hypothesis(place, edit, law, (k, at), words)
 
-    def _between(self, place: PairPlace) -> Hypothesis:
+    def _between(self, place: StockPair) -> Hypothesis:
         stem = f"orifice_to_{place.second}_from"
         k = place.strength(stem, place.unit(F), (0.0, 0.3 * place.flow), low=0.0)
         at = place.constant(f"{stem}_effort", place.unit(E), place.effort)

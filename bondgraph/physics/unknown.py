@@ -5,7 +5,7 @@ the honest answer is the curve. A curve of the displacement may also tell how la
 friction is along the way, or how a ratio changes.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -24,7 +24,8 @@ from bondgraph.physics.places.junction import (
 )
 from bondgraph.physics.position import restoring
 from bondgraph.physics.smooth import Smooth
-from bondgraph.physics.unknown_elements import forms_of_element, passes
+from bondgraph.physics.unknown_elements import Form, forms_of_element, passes
+from bondgraph.physics.unknown_elsewhere import forms_of_others
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.elements import OnePort, Resistance
 from bondgraph.structure.signals import e, effort, f, flow, q
@@ -56,7 +57,7 @@ class UnknownRelation(AbstractPhysics):
         """Yield curves of what is local at a junction, an input, a TF or a GY."""
         return (form() for form in self.forms(place))
 
-    def forms(self, place: Place) -> Iterator[Callable[[], Hypothesis]]:
+    def forms(self, place: Place) -> Iterator[Form]:
         """Yield what makes each of these curves; a finely drawn one is long to write.
 
         In the same order however smooth they are.
@@ -69,6 +70,7 @@ class UnknownRelation(AbstractPhysics):
                 if place.domain in MECHANICAL:
                     yield partial(self._rubbing, place)
                     yield partial(self._damping, place)
+            yield from forms_of_others(self.hypothesis, place, self.smooth)
         elif isinstance(place, JunctionPlace):
             yield partial(self._curve, place, e, E)
         elif isinstance(place, InputPlace):

@@ -52,6 +52,9 @@ from bondgraph.structure.signals import (
 Make = Callable[..., Hypothesis]
 """What makes a hypothesis of that physics: `AbstractPhysics.hypothesis`."""
 
+Form = Callable[[], Hypothesis]
+"""What makes one curve; a finely drawn one is long to write."""
+
 STORE = 8
 """Knots of what a store answers with."""
 
@@ -61,7 +64,7 @@ STEERED = 4
 
 def forms_of_element(
     make: Make, place: ElementPlace, smooth: Smooth | None
-) -> Iterator[Callable[[], Hypothesis]]:
+) -> Iterator[Form]:
     """Yield what makes each curve that the law of an element may be."""
     match place.element:
         case Transformer() | Gyrator():

@@ -143,12 +143,15 @@ def _experiment(experiment: Experiment | None) -> dict[str, Any]:
 
 
 def _finding(finding: Finding) -> dict[str, Any]:
+    # What joins two junctions is at the other one as much as at the first.
+    ends = [finding.other_end] if finding.other_end else []
     return {
         "physics": finding.physics,
         "place": finding.place,
         "domain": finding.domain,
         "element": finding.element,
-        "indistinguishable_places": list(finding.indistinguishable_places),
+        "other_end": finding.other_end,
+        "indistinguishable_places": [*finding.indistinguishable_places, *ends],
         "alternatives": [_evidence(a) for a in finding.alternatives],
         "statement": finding.statement,
         "law": finding.law,

@@ -70,6 +70,20 @@ def belt() -> FinishedGraph:
     return graph.finish()
 
 
+def two_axes() -> FinishedGraph:
+    """Return two axes of a head, each held by its cables, that nothing joins."""
+    graph = BondGraph("two axes", domain="rotation")
+    for axis in ("pan", "tilt"):
+        parts = (I(f"{axis}_mass"), C(f"{axis}_cable"), R(f"{axis}_bearing"))
+        graph.one(axis, Se(f"{axis}_torque"), *parts)
+        graph.parameter(f"{axis}_mass", 0.1, "kg*m^2", std=0.0)
+        graph.parameter(f"{axis}_cable", 0.2, "rad/(N*m)", std=0.0)
+        graph.parameter(f"{axis}_bearing", 0.03, "N*m*s/rad", std=0.0)
+        graph.measure(f"{axis}_angle", displacement=axis)
+        graph.measure(f"{axis}_speed", flow=axis)
+    return graph.finish()
+
+
 def winding() -> FinishedGraph:
     """Return the winding of a motor that turns a flywheel."""
     graph = BondGraph("motor", domain="electrical")

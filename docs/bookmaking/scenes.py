@@ -129,6 +129,13 @@ _FILLED = {
     "up": "flow(*)",
 }
 
+_BESIDE = {
+    "machine": machines.two_axes,
+    "place": "pan",
+    "output": "tilt_angle",
+    "drive": {"pan_torque": _pulse(1.0, 0.5), "tilt_torque": _pulse(0.0, 0.0)},
+}
+
 SCENES: Mapping[str, Scene] = {
     "ViscousFriction": Scene(
         **_RINGING, across="flow(carriage)", values={"viscous": 2.0}
@@ -320,6 +327,26 @@ SCENES: Mapping[str, Scene] = {
         up="effort(mode_carriage_spring)",
         seconds=7.0,
         values={"mode_inertia": 0.6, "mode_frequency": 12.0, "mode_damping": 0.05},
+    ),
+    "Drag": Scene(**_BESIDE, across="flow(*)", values={"drag": 0.05}),
+    "Tie": Scene(
+        **_BESIDE,
+        across="displacement(*)",
+        up="-effort(*)",
+        values={"stiffness": 1.0},
+    ),
+    "SharedInertia": Scene(
+        **_BESIDE,
+        across="flow(*)",
+        up="momentum(*)",
+        values={"inertia_of_sum": 0.03},
+    ),
+    "GyroscopicCoupling": Scene(
+        **_BESIDE,
+        across="flow(pan)",
+        up="effort(gyroscopic_coupling_pan>tilt)",
+        values={"gyration": 0.1},
+        labels=("angular velocity of pan [rad/s]", "torque on tilt [N m]"),
     ),
     "Backlash": Scene(
         machine=machines.belt,

@@ -100,7 +100,8 @@ def _finding(
     hypothesis = chosen.candidate.hypothesis
     same = [j.place for j in close if j.physics == chosen.physics]
     known = (*same, *alike, *hypothesis.also)
-    elsewhere = (place for place in known if place != chosen.place)
+    ends = (chosen.place, hypothesis.other_end)
+    elsewhere = (place for place in known if place not in ends)
     places = tuple(dict.fromkeys(elsewhere))
     estimates = tuple(e for e in after.estimates if e.name in hypothesis.parameters)
     scaled = tuple(
@@ -121,6 +122,7 @@ def _finding(
         in_proportion=scaled,
         probability=None,
         domain=chosen.domain,
+        other_end=hypothesis.other_end,
     )
 
 

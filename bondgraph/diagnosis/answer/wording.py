@@ -8,6 +8,7 @@ from bondgraph.diagnosis.experiment.records import Experiment
 from bondgraph.diagnosis.records import Finding
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.result import Estimate
+from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.names import SOFTER
 from bondgraph.structure.domains import ROTATION, TRANSLATION
 from bondgraph.structure.mirror import mirror_images
@@ -72,7 +73,7 @@ def finding_statement(
         numbers = ""
     else:
         name = _form_of(chosen, estimates)
-        opening = f"{_capital(name)} at {chosen.place} {SURE}: {hypothesis.words}"
+        opening = f"{_capital(name)} {_where(hypothesis)} {SURE}: {hypothesis.words}"
     text = f"{opening} ({numbers})." if numbers else f"{opening.rstrip('.')}."
     if places:
         text += f" These recordings do not tell {chosen.place} from {listed(places)}."
@@ -84,6 +85,13 @@ def finding_statement(
             f" It is weak: it explains {100 * chosen.gain.value:.0f} % of the error."
         )
     return text
+
+
+def _where(hypothesis: Hypothesis) -> str:
+    """Return where a law sits: at a place, or between two."""
+    if hypothesis.other_end:
+        return f"between {hypothesis.place} and {hypothesis.other_end}"
+    return f"at {hypothesis.place}"
 
 
 def _form_of(chosen: Judged, estimates: Sequence[Estimate]) -> str:

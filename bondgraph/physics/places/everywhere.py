@@ -3,12 +3,13 @@
 from collections.abc import Collection, Iterator
 from itertools import combinations
 
+from bondgraph.physics.places.apart import motions_apart
 from bondgraph.physics.places.base import Place
 from bondgraph.physics.places.bond import BondPlace
 from bondgraph.physics.places.channels import InputPlace, OutputPlace
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import junction_place
-from bondgraph.physics.places.pair import PairPlace
+from bondgraph.physics.places.pair import MotionPair, PairPlace, StockPair
 from bondgraph.physics.places.scales import Scales
 from bondgraph.physics.places.source import ActuatorPlace, actuators
 from bondgraph.structure.domains import ELECTRICAL
@@ -108,12 +109,17 @@ def _moves_anyway(graph: FinishedGraph, junction: str, inertia: str) -> bool:
 def _pairs(
     graph: FinishedGraph, scales: Scales, junctions: Collection[str]
 ) -> Iterator[PairPlace]:
-    """Yield pairs of stocks of one domain that no resistance joins."""
+    """Yield pairs of stocks that no resistance joins, and of motions that nothing does.
+
+    Of one domain each.
+    """
     stocks = [name for name in junctions if _is_stock(graph, name)]
     for first, second in combinations(stocks, 2):
         alike = graph.domain_at(first) == graph.domain_at(second)
         if alike and not _resisted(graph, first, second):
-            yield PairPlace(graph, first, scales, second)
+            yield StockPair(graph, first, scales, second)
+    for first, second in motions_apart(graph, junctions):
+        yield MotionPair(graph, first, scales, second)
 
 
 def _is_stock(graph: FinishedGraph, junction: str) -> bool:

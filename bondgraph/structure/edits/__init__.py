@@ -7,6 +7,7 @@ the first values of its parameters leave the model as it was, or nearly so. The 
 """
 
 from bondgraph.structure.edits.bonds import ConnectJunctions as ConnectJunctions
+from bondgraph.structure.edits.bonds import CoupleJunctions as CoupleJunctions
 from bondgraph.structure.edits.bonds import LoosenBond as LoosenBond
 from bondgraph.structure.edits.bonds import ObstructBond as ObstructBond
 from bondgraph.structure.edits.channels import ReplaceMeasurement as ReplaceMeasurement

@@ -15,6 +15,7 @@ from bondgraph.structure.elements import (
     OneJunction,
     OnePort,
     Resistance,
+    TwoPort,
     ZeroJunction,
     letter,
 )
@@ -118,7 +119,8 @@ class ConnectJunctions:
     """Join two junctions of one kind through elements.
 
     Between 0-junctions the elements see the difference of efforts and carry the flow
-    from `first` to `second`; between 1-junctions they see the difference of flows.
+    from `first` to `second`; between 1-junctions they see the difference of flows, or
+    their sum where `summed`.
     """
 
     first: str
@@ -126,28 +128,23 @@ class ConnectJunctions:
     name: str
     elements: tuple[OnePort, ...]
     parameters: tuple[Parameter, ...] = ()
+    summed: bool = False
 
     def apply(self, graph: FinishedGraph) -> FinishedGraph:
         """Return the graph with the path between the junctions."""
-        ends = [graph.node(self.first), graph.node(self.second)]
-        zeros = [isinstance(end, ZeroJunction) for end in ends]
-        if not all(isinstance(end, Junction) for end in ends) or len(set(zeros)) > 1:
-            raise StructureError(
-                f"{self.first!r} and {self.second!r} are not junctions of one kind.",
-                (self.first, self.second),
-                "Connect two 0-junctions or two 1-junctions.",
-            )
+        zeros = _of_one_kind(graph, self.first, self.second)
         domain = graph.domain_at(self.first)
         pieces = Pieces.of(graph)
         between = self.name
-        if not zeros[0]:
+        if not zeros:
             between = f"{self.name}_split"
             pieces.nodes.append(ZeroJunction(between))
         pieces.nodes.append(OneJunction(self.name))
         for element in self.elements:
             pieces.hang(element, self.name, domain)
         pieces.bonds.append((Bond(self.first, between), domain))
-        pieces.bonds.append((Bond(between, self.second), domain))
+        ends = (between, self.second)
+        pieces.bonds.append((Bond(*(ends[::-1] if self.summed else ends)), domain))
         if between != self.name:
             pieces.bonds.append((Bond(between, self.name), domain))
         return pieces.finished(self.parameters)
@@ -165,6 +162,53 @@ class ConnectJunctions:
     def nested(self) -> bool:
         """Whether the first values of its parameters give the graph before."""
         return True
+
+
+@dataclass(frozen=True, slots=True)
+class CoupleJunctions:
+    """Join two junctions of one kind by a two-port, from `first` to `second`."""
+
+    first: str
+    second: str
+    element: TwoPort
+    parameters: tuple[Parameter, ...] = ()
+
+    def apply(self, graph: FinishedGraph) -> FinishedGraph:
+        """Return the graph with the two-port between the junctions."""
+        _of_one_kind(graph, self.first, self.second)
+        pieces, own = Pieces.of(graph), self.element.name
+        pieces.nodes.append(self.element)
+        for bond in (Bond(self.first, own), Bond(own, self.second)):
+            pieces.bonds.append((bond, graph.domain_at(self.first)))
+        return pieces.finished(self.parameters)
+
+    def describe(self) -> str:
+        """Return the edit in words."""
+        kind = letter(self.element)
+        return f"{self.first} and {self.second} joined by one {kind}"
+
+    @property
+    def subject(self) -> str:
+        """The name of what it adds or changes."""
+        return self.element.name
+
+    @property
+    def nested(self) -> bool:
+        """Whether the first values of its parameters give the graph before."""
+        return True
+
+
+def _of_one_kind(graph: FinishedGraph, first: str, second: str) -> bool:
+    """Return whether both are 0-junctions; raise where they are not of one kind."""
+    ends = [graph.node(first), graph.node(second)]
+    zeros = {isinstance(end, ZeroJunction) for end in ends}
+    if not all(isinstance(end, Junction) for end in ends) or len(zeros) > 1:
+        raise StructureError(
+            f"{first!r} and {second!r} are not junctions of one kind.",
+            (first, second),
+            "Connect two 0-junctions or two 1-junctions.",
+        )
+    return zeros == {True}
 
 
 def _split(graph: FinishedGraph, bond: Bond, junction: Junction) -> Pieces:

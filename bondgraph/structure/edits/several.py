@@ -2,7 +2,12 @@
 
 from dataclasses import dataclass
 
-from bondgraph.structure.edits.bonds import ConnectJunctions, LoosenBond, ObstructBond
+from bondgraph.structure.edits.bonds import (
+    ConnectJunctions,
+    CoupleJunctions,
+    LoosenBond,
+    ObstructBond,
+)
 from bondgraph.structure.edits.channels import (
     ReplaceMeasurement,
     SwapInputs,
@@ -23,6 +28,7 @@ SingleEdit = (
     | LoosenBond
     | ObstructBond
     | ConnectJunctions
+    | CoupleJunctions
 )
 
 
