@@ -24,6 +24,9 @@ EXPLICIT = (1, 2, 4)
 OF_CANDIDATE = 0.1
 """Of what a candidate leaves: a step's error below it decides nothing."""
 
+RUN_AWAY = 10.0
+"""Slopes whose squares half a step changes by more are none."""
+
 KINDS: dict[str, type[Solver]] = {
     kind.__name__: kind for kind in (RungeKutta4, Sdirk2, Sdirk3)
 }
@@ -55,7 +58,9 @@ def explicit_steps(problem: FitProblem, optimum: Optimum, fine: Array) -> Solver
     for substeps in EXPLICIT:
         solver = RungeKutta4(substeps)
         stepped = replace(problem, solver=solver)
-        if np.all(step_error(stepped, optimum.theta, optimum.initial) <= fine):
+        at = optimum.theta, optimum.initial
+        fit = np.all(step_error(stepped, *at) <= fine)
+        if fit and slopes_hold(stepped, *at, linearise_windows(stepped, *at)):
             return solver
     return None
 
@@ -96,7 +101,9 @@ def faithful(
                 settled=here,
             )
             at = found.theta, found.initial
-            if not found.lost and is_fine(problem, *at, found.linearisation):
+            end = found.linearisation
+            fine = not found.lost and is_fine(problem, *at, end)
+            if fine and slopes_hold(problem, *at, end):
                 return Faithful(found, problem.solver)
             theta, initial = at
         problem = replace(problem, solver=Sdirk2(problem.solver.substeps))
@@ -114,3 +121,24 @@ def is_fine(
         return False
     fine = OF_CANDIDATE * left(problem, here)
     return bool(np.all(step_error(problem, theta, initial) <= fine))
+
+
+def slopes_hold(
+    problem: FitProblem, theta: Array, initial: Array, here: Linearisation
+) -> bool:
+    """Return whether half the steps leave the effects of the parameters as they are.
+
+    Over a steep edge a step may be unstable for a sample or two. The values stay near
+    the edge then, but their slopes run away, and a fit neither moves nor tells what it
+    determines.
+
+    Parameters
+    ----------
+    here
+        The linearisation there, in the problem's own steps.
+    """
+    finer = replace(problem.solver, substeps=2 * problem.solver.substeps)
+    there = linearise_windows(replace(problem, solver=finer), theta, initial)
+    own, other = (np.einsum("wii->i", at.hessian)[: len(theta)] for at in (here, there))
+    near = (own <= RUN_AWAY * other) & (other <= RUN_AWAY * own)
+    return bool(near.all())
