@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import expm
 
 from bondgraph import BondGraph, C, FitSettings, I, R, Recording, Se, bind_to, fit
-from bondgraph.recordings.held import frozen, held
+from bondgraph.recordings.held import frozen, held, stale
 from bondgraph.recordings.misreadings import without_misreadings
 from bondgraph.simulation.solvers import Hold
 
@@ -126,3 +126,37 @@ def test_frozen_readings_are_left_out_and_told():
     assert "stands still from sample 200 to 239 (counted from 0) and then jumps" in note
     left_out = np.flatnonzero(np.isnan(cleared.recordings[0].output("position")))
     assert np.array_equal(left_out, np.arange(201, 240))
+
+
+def held_up(*rows, late=False):
+    """Return a turning wheel's angle with gaps in time before rows, and its time."""
+    steps = np.full(400, 0.01)
+    steps[list(rows)] = 0.3
+    time = np.cumsum(steps)
+    angle = 6.0 * time + 1e-3 * np.random.default_rng(8).standard_normal(time.size)
+    if late:
+        angle[list(rows)] = angle[[row - 1 for row in rows]] + 0.06
+    return time, angle
+
+
+def test_a_reading_of_before_a_gap_is_stale():
+    time, angle = held_up(90, 200, 310, late=True)
+    assert stale(time, angle).tolist() == [90, 200, 310]
+    assert stale(*held_up(90, 200, 310)).size == 0
+    assert stale(*held_up()).size == 0
+
+
+def test_a_machine_that_goes_on_otherwise_behind_a_gap_is_not_stale():
+    time, angle = held_up(90, 200)
+    angle[200:] += 40.0 * (time[200:] - time[200])
+    assert stale(time, angle).size == 0
+
+
+def test_stale_readings_are_left_out_and_told():
+    time, angle = held_up(90, late=True)
+    channels = {"force": (np.ones(time.size), "N"), "position": (angle, "m")}
+    run = Recording.from_arrays("run", time, channels)
+    cleared = without_misreadings([bind_to(cart(), run)])
+    left_out = np.flatnonzero(np.isnan(cleared.recordings[0].output("position")))
+    assert left_out.tolist() == [90]
+    assert "sample 90 (counted from 0), behind a gap" in cleared.notes[0]

@@ -59,7 +59,7 @@ def model_argument(command: F) -> F:
         "values",
         multiple=True,
         metavar="NAME=VALUE",
-        help="Another value of a parameter, in SI units.",
+        help="Another value of a parameter, in SI units: a number or a ratio, 1/6900.",
     )
     return click.argument("model", type=ModelName())(values(command))
 

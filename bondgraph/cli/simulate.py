@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -29,6 +29,7 @@ from bondgraph.fitting.simulate import Solution, SolveStatus, simulate
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.misreadings import without_misreadings
 from bondgraph.recordings.names import join_header
+from bondgraph.recordings.noise import estimate_noise
 from bondgraph.recordings.spread import spread
 from bondgraph.reporting.diagnosis_json import json_value
 from bondgraph.reporting.wording import (
@@ -48,11 +49,10 @@ ASTRAY = 1.0
 """Standard deviations: the mean of what was measured is not further away."""
 
 STRETCHES = (
-    "Over the whole recording the simulation goes astray. Where a machine is unstable "
-    "or drifts a value that is a little wrong does that, and --window SECONDS compares "
-    "stretches, each from a state of its own; else values are far off, which "
-    "'bondgraph fit' mends, or the model lacks something, which 'bondgraph diagnose' "
-    "looks for."
+    "Over the whole recording the simulation goes astray. Values may be far off: "
+    "'bondgraph fit' fits them. The model may lack something: 'bondgraph diagnose' "
+    "looks for it. Or the machine is unstable or drifts: then --window SECONDS "
+    "compares stretches, each from a state of its own."
 )
 
 FAR_OFF = (
@@ -115,7 +115,8 @@ def command(
             solution = simulate(graph, bound, settings=settings)
     if solution.status is SolveStatus.FAILED:
         raise _failed(graph.name, bound, solution)
-    for line in _errors(solution):
+    noise = _noise(bound)
+    for line in _errors(solution, noise):
         session.say(line)
     spread = "the standard deviation of what was measured"
     together = "Together that" if len(solution.output_names) > 1 else "That"
@@ -158,15 +159,32 @@ def _failed(model: str, bound: BoundRecording, solution: Solution) -> FitError:
     )
 
 
-def _errors(solution: Solution) -> Iterator[str]:
-    """Yield how far each output is from what was measured, also over its spread."""
+def _noise(bound: BoundRecording) -> dict[str, float]:
+    """Return the noise of each output that is seen to be white: of others none is."""
+    if bound.steady:
+        return {}
+    columns = zip(bound.output_names, bound.outputs.T, strict=True)
+    seen = (
+        (n, estimate_noise(bound.time, x)) for n, x in columns if np.isfinite(x).any()
+    )
+    return {name: one.std for name, one in seen if one.white and one.std > 0.0}
+
+
+def _errors(solution: Solution, noise: Mapping[str, float]) -> Iterator[str]:
+    """Yield how far each output is from what was measured, also over its spread.
+
+    Beside its measurement noise, where that is known.
+    """
     spreads = spread(solution.measured)
     for i, name in enumerate(solution.output_names):
         size = solution.score.rmse[name]
-        rmse = f"{number_words(size)} {unit_words(solution.output_units[i])} rms"
+        unit = unit_words(solution.output_units[i])
+        rmse = f"{number_words(size)} {unit} rms"
         alone = len(solution.output_names) == 1 or name in solution.score.unchanging
         share = "" if alone else f", {percent(size / spreads[i])}"
-        yield f"{name}: simulated minus measured {rmse}{share}"
+        own = number_words(noise[name], 2) if name in noise else ""
+        beside = f" (measurement noise {own} {unit})" if own else ""
+        yield f"{name}: simulated minus measured {rmse}{share}{beside}"
 
 
 def _energy_words(audit: EnergyAudit) -> str:

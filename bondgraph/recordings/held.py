@@ -1,4 +1,4 @@
-"""Readings that are held: a slow sensor in a fast log, or one that has frozen.
+"""Readings that are held: of a slow sensor, a frozen one, a logger held up.
 
 Between two of its updates the log repeats what was read last. That is told from a
 sensor that merely does not resolve a change: it then changes by a step or two of its
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from bondgraph.recordings.channel import FloatArray
 from bondgraph.recordings.noise import estimate_noise, quantisation
+from bondgraph.recordings.windows import SURE_GAP
 
 UPDATES = 20
 """Fewer changes say nothing of how they come."""
@@ -30,6 +31,9 @@ FROZEN = 15
 
 JUMPS = 4.0
 """A change so many times as large as 95 of 100 others is a jump."""
+
+NOISE = 8.0
+"""And so many standard deviations of the noise."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,3 +94,33 @@ def frozen(time: FloatArray, values: FloatArray) -> list[range]:
         for begin, end in stretches
         if end < told.size and changes[end - 1] > usual
     ]
+
+
+def stale(time: FloatArray, values: FloatArray) -> NDArray[np.intp]:
+    """Return the rows that end a gap in time with what was read before it.
+
+    A logger that was held up writes its clock of now beside a reading of then: the next
+    row jumps to where the machine is by now, from which it goes on smoothly.
+
+    Parameters
+    ----------
+    time
+        Seconds, strictly increasing.
+    values
+        Samples of one channel; nan where nothing was measured.
+    """
+    there = np.flatnonzero(np.isfinite(values))
+    late, told = time[there], values[there]
+    if late.size < UPDATES:
+        return np.empty(0, dtype=np.intp)
+    steps, changes = np.diff(late), np.abs(np.diff(told))
+    gap = steps > SURE_GAP * np.median(steps)
+    moving = changes[~gap & (changes > 0.0)]
+    if not gap.any() or moving.size < UPDATES:
+        return np.empty(0, dtype=np.intp)
+    usual = JUMPS * float(np.quantile(moving, 0.95))
+    jump = max(usual, NOISE * estimate_noise(time, values).std)
+    ends = gap[:-2] & ~gap[1:-1] & ~gap[2:]
+    goes_on = changes[2:] < changes[1:-1] / JUMPS
+    rows: NDArray[np.intp] = there[1:-2][ends & (changes[1:-1] > jump) & goes_on]
+    return rows

@@ -15,7 +15,7 @@ from scipy.special import bdtrc
 
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.channel import FloatArray
-from bondgraph.recordings.held import frozen, held
+from bondgraph.recordings.held import frozen, held, stale
 from bondgraph.recordings.noise import outliers
 from bondgraph.recordings.turns import unwrapped
 
@@ -55,6 +55,7 @@ def without_misreadings(recordings: Sequence[BoundRecording]) -> Cleared:
                 unit = recording.output_units[column]
                 told += _gone_on(outputs[:, column], unit, of)
                 told += _read_anew(outputs[:, column], of)
+                told += _in_time(outputs[:, column], recording.time, driven, of)
                 told += _thawed(outputs[:, column], recording.time, driven, of)
                 told += _left_out(outputs[:, column], recording.time, driven, of)
         cleared.append(replace(recording, outputs=outputs) if told else recording)
@@ -101,6 +102,26 @@ def _thawed(
     ]
 
 
+def _in_time(
+    values: FloatArray, time: FloatArray, driven: NDArray[np.bool_], of: str
+) -> list[str]:
+    """Leave readings of before a gap in time out of `values`, and say so."""
+    rows = [int(row) for row in stale(time, values) if not driven[row + 1]]
+    if not rows:
+        return []
+    values[rows] = np.nan
+    return [
+        f"{of} has at sample {_counted(rows)}, behind a gap in time, what was read "
+        "before the gap: not used."
+    ]
+
+
+def _counted(rows: Sequence[int]) -> str:
+    """Return the first rows of a list, and how many more there are."""
+    more = f" and {len(rows) - 5} more" if len(rows) > 5 else ""
+    return f"{', '.join(map(str, rows[:5]))}{more} (counted from 0)"
+
+
 def _driven(inputs: FloatArray) -> NDArray[np.bool_]:
     """Return which rows an input that seldom steps has just stepped in or before."""
     driven = np.zeros(len(inputs), dtype=bool)
@@ -125,9 +146,7 @@ def _left_out(
     if not rows:
         return []
     values[rows] = np.nan
-    where = ", ".join(str(row) for row in rows[:5])
-    more = f" and {len(rows) - 5} more" if len(rows) > 5 else ""
     return [
-        f"{of} jumps away and back at sample {where}{more} (counted from 0): taken for "
-        "a misreading, not used."
+        f"{of} jumps away and back at sample {_counted(rows)}: taken for a misreading, "
+        "not used."
     ]

@@ -100,7 +100,7 @@ class Parameter:
             if not low <= self.value <= high:
                 raise ParameterError(
                     f"Parameter {self.name!r} = {self.value:g} {self.unit} lies "
-                    f"outside its bounds ({low:g}, {high:g}).",
+                    f"outside its bounds ({low:g}, {high:g}), which are in that unit.",
                     (self.name,),
                     "Correct the value or widen the bounds.",
                 )

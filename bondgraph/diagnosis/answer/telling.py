@@ -23,7 +23,7 @@ from bondgraph.diagnosis.answer.verdict import carries_over
 from bondgraph.diagnosis.answer.wording import next_experiment
 from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.evidence.judged import Judged
-from bondgraph.diagnosis.evidence.leftover import noise_floor
+from bondgraph.diagnosis.evidence.leftover import foretold, noise_floor
 from bondgraph.diagnosis.evidence.proportion import known_in_proportion
 from bondgraph.diagnosis.records import Comparison, Diagnosis
 from bondgraph.diagnosis.search.base.horizons import refitted
@@ -71,7 +71,7 @@ def answer(
     before, after = report(base, graph, recordings), report(final, graph, recordings)
     trained = _comparison(base, final, recordings)
     shown = _comparison(base, final, held_out)
-    floor = noise_floor(recordings)
+    floor = foretold(final, noise_floor(recordings))
     long = _over_long(base, final, recordings, trained)
     left = max(remaining(rounds, floor), left_of_whole(long, floor))
     proportion = known_in_proportion(final, base)

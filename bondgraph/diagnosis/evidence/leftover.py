@@ -21,6 +21,9 @@ ADEQUATE_RATIO = 3.0
 SIZEABLE = 0.1
 """Of an output's spread: a coloured residual larger than that is no mere noise."""
 
+FORETOLD = 0.5
+"""Of the noise floor: a model that leaves less has foretold what is no noise."""
+
 SLOWLY = 0.05
 """And what whole recordings are missed by where windows of them are not."""
 
@@ -29,6 +32,19 @@ def noise_floor(recordings: Sequence[BoundRecording]) -> dict[str, float]:
     """Return the measurement noise of each output, the largest over recordings."""
     names, noise = recordings[0].output_names, output_noise(recordings)
     return {name: one.std or 0.0 for name, one in zip(names, noise, strict=True)}
+
+
+def foretold(fitted: FittedModel, floor: Mapping[str, float]) -> dict[str, float]:
+    """Return the noise floor, no higher than what a model leaves that is below it.
+
+    No model foretells noise. Fast motion looks like it to an estimate that sees one
+    channel alone: the current of a shaker, say.
+    """
+    times = residual_over_noise(fitted, floor)
+    return {
+        name: std * times[name] if times.get(name, 1.0) < FORETOLD else std
+        for name, std in floor.items()
+    }
 
 
 def excusable(recordings: Sequence[BoundRecording]) -> Array:
