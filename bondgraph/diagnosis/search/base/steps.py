@@ -27,6 +27,9 @@ OF_CANDIDATE = 0.1
 RUN_AWAY = 10.0
 """Slopes whose squares half a step changes by more are none."""
 
+NO_EFFECT = 1.0
+"""Squared, in standard deviations of all samples together: of the whole of a number."""
+
 KINDS: dict[str, type[Solver]] = {
     kind.__name__: kind for kind in (RungeKutta4, Sdirk2, Sdirk3)
 }
@@ -139,6 +142,8 @@ def slopes_hold(
     """
     finer = replace(problem.solver, substeps=2 * problem.solver.substeps)
     there = linearise_windows(replace(problem, solver=finer), theta, initial)
-    own, other = (np.einsum("wii->i", at.hessian)[: len(theta)] for at in (here, there))
+    own, other = (
+        theta**2 * np.einsum("wii->i", at.hessian)[: len(theta)] for at in (here, there)
+    )
     near = (own <= RUN_AWAY * other) & (other <= RUN_AWAY * own)
-    return bool(near.all())
+    return bool((near | (np.maximum(own, other) < NO_EFFECT)).all())
