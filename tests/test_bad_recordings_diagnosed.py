@@ -266,4 +266,4 @@ def test_misread_samples_are_set_aside_beside_missing_ones_too():
     cleared = without_misreadings([replace(run, outputs=outputs)])
     missing = np.isnan(cleared.recordings[0].outputs[:, 1])
     np.testing.assert_array_equal(np.flatnonzero(missing), [49, 50, 200])
-    assert "velocity of run 1 jumps away and back at sample 50 " in cleared.notes[0]
+    assert "velocity of run 1 jumps away and back at " in cleared.notes[0]

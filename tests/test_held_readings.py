@@ -123,7 +123,7 @@ def test_frozen_readings_are_left_out_and_told():
     )
     cleared = without_misreadings([bind_to(cart(), run)])
     (note,) = cleared.notes
-    assert "stands still from sample 200 to 239 (counted from 0) and then jumps" in note
+    assert "stands still from 20 to 23.9 s and then jumps" in note
     left_out = np.flatnonzero(np.isnan(cleared.recordings[0].output("position")))
     assert np.array_equal(left_out, np.arange(201, 240))
 
@@ -159,4 +159,4 @@ def test_stale_readings_are_left_out_and_told():
     cleared = without_misreadings([bind_to(cart(), run)])
     left_out = np.flatnonzero(np.isnan(cleared.recordings[0].output("position")))
     assert left_out.tolist() == [90]
-    assert "sample 90 (counted from 0), behind a gap" in cleared.notes[0]
+    assert "(sample 90, counted from 0), behind a gap" in cleared.notes[0]

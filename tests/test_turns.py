@@ -66,7 +66,7 @@ def test_recordings_say_what_was_done_of_them():
     cleared = without_misreadings([recording])
     turned, misread = cleared.notes
     assert turned.startswith("angle of run jumps by a whole turn ")
-    assert "jumps away and back at sample 50 " in misread
+    assert "(sample 50, counted from 0)" in misread
     (now,) = cleared.recordings
     good = np.isfinite(now.outputs[:, 0])
     assert np.ptp(now.outputs[good, 0] - ANGLE[good]) < 1e-9

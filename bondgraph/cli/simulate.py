@@ -130,8 +130,9 @@ def command(
     session.say(_event_words(solution.events))
     for note in read.notes:  # What is left out of a recording is said in any case.
         session.say(note)
-    if hold is not None:
-        session.hint(hold_words(hold, [bound], "with these values"))
+    held = [] if hold is None else [hold_words(hold, [bound], "with these values")]
+    for hint in (*bound.notes, *held):
+        session.hint(hint)
     if solution.reason:  # of a run with accounts, where the one without them went on
         session.say(solution.reason)
     if output is not None:
@@ -173,7 +174,7 @@ def _noise(bound: BoundRecording) -> dict[str, float]:
 def _errors(solution: Solution, noise: Mapping[str, float]) -> Iterator[str]:
     """Yield how far each output is from what was measured, also over its spread.
 
-    Beside its measurement noise, where that is known.
+    Beside the white part of its noise, where that is known.
     """
     spreads = spread(solution.measured)
     for i, name in enumerate(solution.output_names):
@@ -181,9 +182,9 @@ def _errors(solution: Solution, noise: Mapping[str, float]) -> Iterator[str]:
         unit = unit_words(solution.output_units[i])
         rmse = f"{number_words(size)} {unit} rms"
         alone = len(solution.output_names) == 1 or name in solution.score.unchanging
-        share = "" if alone else f", {percent(size / spreads[i])}"
+        share = "" if alone else f", {percent(size / spreads[i])} of its spread"
         own = number_words(noise[name], 2) if name in noise else ""
-        beside = f" (measurement noise {own} {unit})" if own else ""
+        beside = f" (white noise {own} {unit})" if own else ""
         yield f"{name}: simulated minus measured {rmse}{share}{beside}"
 
 

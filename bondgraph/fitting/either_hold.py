@@ -67,5 +67,16 @@ def simulated_either_way(
     ran = rival.status is SolveStatus.SUCCESSFUL
     if own.status is SolveStatus.FAILED:
         return (rival, changed.hold) if ran else (own, expected)
-    nearer = ran and rival.score.nrmse < FITS_BETTER * own.score.nrmse
+    nearer = ran and _of_squares(rival, own) < FITS_BETTER
     return (rival, changed.hold) if nearer else (own, expected)
+
+
+def _of_squares(rival: Solution, own: Solution) -> float:
+    """Return which share of its squared error an output keeps in the mean.
+
+    Each output is measured by what it misses, as in a fit: what is known to little
+    would else hide what is known well.
+    """
+    before, after = own.score.rmse, rival.score.rmse
+    shares = [(after[name] / size) ** 2 for name, size in before.items() if size > 0.0]
+    return sum(shares) / len(shares) if shares else 1.0

@@ -286,7 +286,9 @@ def _channel(
             f"{name!r} of the model is in {unit!r}, and channel {wanted!r} of "
             f"{recording.name!r} is in {channel.unit!r}, which does not convert to it.",
             (recording.name, name, wanted),
-            "Correct the unit in the header or the domain of the model, map the "
+            "Degrees Celsius are [degC]."
+            if (channel.unit, unit) == ("C", "K")
+            else "Correct the unit in the header or the domain of the model, map the "
             f"channel with another unit ({name}={wanted}[{unit}]), or name that of a "
             "measured formula: measure(name, formula, unit=...).",
         ) from error

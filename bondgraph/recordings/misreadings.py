@@ -94,11 +94,14 @@ def _thawed(
         values[rows.start + 1 : rows.stop] = np.nan
     if not stretches:
         return []
-    where = ", ".join(f"{rows.start} to {rows.stop - 1}" for rows in stretches[:3])
-    more = f" and {len(stretches) - 3} more" if len(stretches) > 3 else ""
+    where = ", ".join(
+        f"{time[rows.start]:.6g} to {time[rows.stop - 1]:.6g} s"
+        for rows in stretches[:3]
+    )
+    more = f" and {len(stretches) - 3} more times" if len(stretches) > 3 else ""
     return [
-        f"{of} stands still from sample {where}{more} (counted from 0) and then jumps: "
-        "taken for frozen, not used."
+        f"{of} stands still from {where}{more} and then jumps: taken for frozen, not "
+        "used."
     ]
 
 
@@ -111,15 +114,18 @@ def _in_time(
         return []
     values[rows] = np.nan
     return [
-        f"{of} has at sample {_counted(rows)}, behind a gap in time, what was read "
+        f"{of} has at {_counted(rows, time)}, behind a gap in time, what was read "
         "before the gap: not used."
     ]
 
 
-def _counted(rows: Sequence[int]) -> str:
-    """Return the first rows of a list, and how many more there are."""
+def _counted(rows: Sequence[int], time: FloatArray) -> str:
+    """Return where the first of some samples are, and how many more there are."""
     more = f" and {len(rows) - 5} more" if len(rows) > 5 else ""
-    return f"{', '.join(map(str, rows[:5]))}{more} (counted from 0)"
+    when = ", ".join(f"{time[row]:.6g} s" for row in rows[:5])
+    which = ", ".join(map(str, rows[:5]))
+    word = "sample" if len(rows) == 1 else "samples"
+    return f"{when}{more} ({word} {which}, counted from 0)"
 
 
 def _driven(inputs: FloatArray) -> NDArray[np.bool_]:
@@ -147,6 +153,6 @@ def _left_out(
         return []
     values[rows] = np.nan
     return [
-        f"{of} jumps away and back at sample {_counted(rows)}: taken for a misreading, "
+        f"{of} jumps away and back at {_counted(rows, time)}: taken for a misreading, "
         "not used."
     ]
