@@ -87,10 +87,8 @@ def test_a_path_into_a_store_that_has_run_away_is_found_from_what_is_stated():
     (leak,) = diagnosis.findings
     assert looks == 0
     assert diagnosis.verdict is Verdict.PHYSICS_MISSING
-    assert (leak.physics, {leak.place, *leak.indistinguishable_places}) == (
-        "leak",
-        {"block1", "block2"},
-    )
+    ends = {leak.place, leak.other_end}
+    assert (leak.physics, ends) == ("leak", {"block1", "block2"})
     (size,) = leak.estimates
     assert size.value == pytest.approx(LEAK, abs=3 * size.std)
     assert diagnosis.train.after.nrmse < 0.1 * diagnosis.train.before.nrmse
