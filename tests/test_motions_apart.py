@@ -6,17 +6,19 @@ from physics_machines import MACHINES
 from scipy.linalg import expm
 
 from bondgraph import GY, TF, BondGraph, C, I, R, Recording, Se, bind_to, diagnose
-from bondgraph.physics.coupling import GyroscopicCoupling, SharedInertia
+from bondgraph.physics.coupling import Drag, GyroscopicCoupling, SharedInertia, Tie
 from bondgraph.physics.places.apart import (
     inputs_apart_from,
     motions_apart,
+    motions_beside,
     moving_apart_from,
 )
 from bondgraph.physics.places.everywhere import all_places
-from bondgraph.physics.places.pair import MotionPair
+from bondgraph.physics.places.pair import ApartPair, MotionPair
 from bondgraph.physics.places.scales import Scales
 from bondgraph.physics.unknown import UnknownRelation
 from bondgraph.reporting.diagnosis_json import diagnosis_to_dict
+from bondgraph.structure.signals import Signal
 
 STEP, COUNT, NOISE, SPIN = 0.01, 1200, 2e-4, 0.03
 MASS, STIFF, LOSS = (0.08, 0.05), (2.0, 2.6), (0.06, 0.04)
@@ -83,6 +85,57 @@ def test_of_motions_that_a_gear_ties_together_one_stands_for_all():
     assert moving_apart_from(graph, "tilt") == ("pan",)
     assert moving_apart_from(graph, "pan_motor") == ()
     assert inputs_apart_from(graph, "tilt") == ("pan_torque",)
+
+
+def frame(wheels):
+    """Return a frame with so many wheels on springs."""
+    g = BondGraph("frame", domain="translation")
+    g.one("frame", Se("push"), I("frame_mass"))
+    for n in range(wheels):
+        g.one(f"wheel{n}", I(f"mass{n}"))
+        g.zero(f"joint{n}")
+        g.one(f"strut{n}", C(f"spring{n}"), R(f"loss{n}"))
+        for bond in (("frame", f"joint{n}"), (f"joint{n}", f"wheel{n}")):
+            g.join(*bond)
+        g.join(f"joint{n}", f"strut{n}")
+    g.measure("travel", displacement="frame")
+    return g.finish()
+
+
+def beside(graph):
+    return motions_beside(graph, [j.name for j in graph.junctions])
+
+
+def test_two_wheels_on_one_frame_are_beside_each_other():
+    assert beside(frame(2)) == (("wheel0", "wheel1"),)
+    assert len(beside(frame(4))) == 6
+    assert beside(frame(9)) == ()  # 36 pairs of ten motions: no two likelier
+    assert names(frame(2)) == []
+
+
+def test_in_a_chain_only_next_but_one_is_beside():
+    g = BondGraph("chain", domain="rotation")
+    for n in range(4):
+        g.one(f"disc{n}", I(f"mass{n}"))
+    for n in range(3):
+        g.zero(f"shaft{n}", C(f"spring{n}"))
+        g.join(f"disc{n}", f"shaft{n}")
+        g.join(f"shaft{n}", f"disc{n + 1}")
+    g.measure("angle", displacement="disc0")
+    assert beside(g.finish()) == (("disc0", "disc2"), ("disc1", "disc3"))
+
+
+def test_beside_each_other_there_is_drag_and_a_spring_where_both_are_known():
+    graph = frame(2)
+    (place,) = (x for x in all_places(graph, Scales()) if isinstance(x, MotionPair))
+    assert not isinstance(place, ApartPair)
+    for physics, count in ((Drag(), 1), (Tie(), 1), (GyroscopicCoupling(), 0)):
+        laws = list(physics.propose(place))
+        assert len(laws) == count
+        assert all(law.apply(graph).nodes != graph.nodes for law in laws)
+    (tie,) = Tie().propose(place)
+    struts = {signal.name for signal in tie.law.atoms(Signal)}
+    assert struts == {"displacement(strut0)", "displacement(strut1)"}
 
 
 def test_laws_of_a_pair_say_both_ends():

@@ -58,7 +58,7 @@ def table() -> str:
 def _kind(place: Place) -> str:
     name = type(place).__name__.removesuffix("Place")
     kinds = {"OneJunction": "1", "ZeroJunction": "0"}
-    kinds |= {"StockPair": "pair", "MotionPair": "motions"}
+    kinds |= {"StockPair": "pair", "ApartPair": "apart", "MotionPair": "beside"}
     return kinds.get(name, name.lower())
 
 

@@ -1,4 +1,4 @@
-"""What acts between two motions that nothing joins in the model.
+"""What acts between two motions that the model does not let act on each other.
 
 A wheel that spins couples the two tilts of what carries it; two windings near each
 other, two axes on one frame, share what moves; two bodies drag or pull each other.
@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import E, F, P, Place, Q
-from bondgraph.physics.places.pair import MotionPair
+from bondgraph.physics.places.pair import ApartPair, MotionPair
 from bondgraph.structure.domains import ELECTRICAL, ROTATION, TRANSLATION
 from bondgraph.structure.elements import EffortSource, Gyrator, Inertance, Resistance
 from bondgraph.structure.signals import f
@@ -30,7 +30,7 @@ class GyroscopicCoupling(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it for two motions that nothing joins."""
-        if not isinstance(place, MotionPair) or not self.suits(place):
+        if not isinstance(place, ApartPair) or not self.suits(place):
             return
         some = 0.2 * place.effort / place.flow
         r = place.strength("gyration", place.unit(E, F), (0.0, some, -some))
@@ -54,7 +54,7 @@ class Drag(AbstractPhysics):
     domains = TURNING
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for two motions that nothing joins."""
+        """Yield it for two motions that nothing joins, or a third one only."""
         if not isinstance(place, MotionPair) or not self.suits(place):
             return
         some = 0.2 * place.effort / place.flow
@@ -78,7 +78,7 @@ class Tie(AbstractPhysics):
     domains = TURNING
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for two motions that nothing joins, of known displacements."""
+        """Yield it for such two of known displacements."""
         if not isinstance(place, MotionPair) or not self.suits(place):
             return
         if place.way is None:
@@ -106,11 +106,11 @@ class SharedInertia(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield both for two motions that nothing joins."""
-        if not isinstance(place, MotionPair) or not self.suits(place):
+        if not isinstance(place, ApartPair) or not self.suits(place):
             return
         yield from (self._moving(place, summed=summed) for summed in (True, False))
 
-    def _moving(self, place: MotionPair, *, summed: bool) -> Hypothesis:
+    def _moving(self, place: ApartPair, *, summed: bool) -> Hypothesis:
         some = 0.1 * place.momentum / place.flow
         which = "sum" if summed else "difference"
         unit = place.unit(P, F)

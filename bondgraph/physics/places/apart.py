@@ -1,5 +1,10 @@
-"""Which motions nothing joins: those of two axes, of two loops, on one frame."""
+"""Which motions the model does not let act on each other.
 
+Those of two axes, or loops, that nothing joins; and those of two bodies that hang on
+the same third one, and on each other not at all: two wheels on one frame.
+"""
+
+from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import combinations
 
@@ -9,8 +14,12 @@ from bondgraph.structure.domains import ELECTRICAL, ROTATION, TRANSLATION
 from bondgraph.structure.elements import Inertance, OneJunction, Transformer
 from bondgraph.structure.graph import FinishedGraph
 
-MOVING = frozenset({TRANSLATION, ROTATION, ELECTRICAL})
+MECHANICAL = frozenset({TRANSLATION, ROTATION})
+MOVING = MECHANICAL | {ELECTRICAL}
 """Domains in which two inertias may act on each other past all bonds."""
+
+PAIRS = 2
+"""More pairs than so many for each motion are too many to look into."""
 
 
 def motions_apart(
@@ -26,19 +35,69 @@ def motions_apart(
     junctions
         Those of the machine.
     """
-    crossing = [n.name for n in graph.nodes if _crosses(graph, n.name)]
+    crossing = _crossing(graph)
     part = _groups(graph, crossing)
-    rigid = (OneJunction, Transformer)
-    giving = (n.name for n in graph.nodes if not isinstance(n, rigid))
-    body = _groups(graph, (*giving, *crossing))
-    stands: dict[int, str] = {}
-    for name in junctions:
-        if _has_inertia(graph, name) and graph.domain_at(name) in MOVING:
-            stands[body[name]] = name
-    for one, other in combinations(stands.values(), 2):
+    for one, other in combinations(_bodies(graph, junctions).values(), 2):
         alike = graph.domain_at(one) == graph.domain_at(other)
         if alike and part[one] != part[other]:
             yield one, other
+
+
+def motions_beside(
+    graph: FinishedGraph, junctions: Collection[str]
+) -> tuple[tuple[str, str], ...]:
+    """Return pairs of 1-junctions with inertia that the same third one is joined to.
+
+    And that nothing joins directly. None of more than two pairs a motion: of twenty
+    rollers around one drum no two are likelier than others.
+
+    Parameters
+    ----------
+    junctions
+        Those of the machine.
+    """
+    bodies = _bodies(graph, junctions)
+    group = _rigid_groups(graph)
+    moving = {name: group[name] for name in group if group[name] in bodies}
+    between = _groups(graph, (*moving, *_crossing(graph)))
+    ends: dict[int, set[int]] = defaultdict(set)
+    for bond in graph.bonds:
+        for here, there in ((bond.tail, bond.head), (bond.head, bond.tail)):
+            if here in moving and there in between:
+                ends[between[there]].add(moving[here])
+    joined: nx.Graph[int] = nx.Graph()
+    for touched in ends.values():
+        joined.add_edges_from(combinations(touched, 2))
+    beside = [
+        (bodies[one], bodies[other])
+        for one, other in combinations([b for b in bodies if b in joined], 2)
+        if not joined.has_edge(one, other)
+        and set(joined[one]) & set(joined[other])
+        and graph.domain_at(bodies[one]) in MECHANICAL
+    ]
+    return tuple(beside) if len(beside) <= PAIRS * len(bodies) else ()
+
+
+def _bodies(graph: FinishedGraph, junctions: Collection[str]) -> Mapping[int, str]:
+    """Return the 1-junction that stands for each rigid group that has an inertia."""
+    group = _rigid_groups(graph)
+    stands: dict[int, str] = {}
+    for name in junctions:
+        if _has_inertia(graph, name) and graph.domain_at(name) in MOVING:
+            stands[group[name]] = name
+    return stands
+
+
+def _rigid_groups(graph: FinishedGraph) -> Mapping[str, int]:
+    """Return the number of the group of motions that gears tie to each other."""
+    rigid = (OneJunction, Transformer)
+    giving = (n.name for n in graph.nodes if not isinstance(n, rigid))
+    return _groups(graph, (*giving, *_crossing(graph)))
+
+
+def _crossing(graph: FinishedGraph) -> list[str]:
+    """Return the nodes at which one domain ends and another begins."""
+    return [n.name for n in graph.nodes if _crosses(graph, n.name)]
 
 
 def _groups(graph: FinishedGraph, without: Iterable[str]) -> Mapping[str, int]:

@@ -3,13 +3,13 @@
 from collections.abc import Collection, Iterator
 from itertools import combinations
 
-from bondgraph.physics.places.apart import motions_apart
+from bondgraph.physics.places.apart import motions_apart, motions_beside
 from bondgraph.physics.places.base import Place
 from bondgraph.physics.places.bond import BondPlace
 from bondgraph.physics.places.channels import InputPlace, OutputPlace
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import junction_place
-from bondgraph.physics.places.pair import MotionPair, PairPlace, StockPair
+from bondgraph.physics.places.pair import ApartPair, MotionPair, PairPlace, StockPair
 from bondgraph.physics.places.scales import Scales
 from bondgraph.physics.places.source import ActuatorPlace, actuators
 from bondgraph.structure.domains import ELECTRICAL
@@ -111,7 +111,7 @@ def _pairs(
 ) -> Iterator[PairPlace]:
     """Yield pairs of stocks that no resistance joins, and of motions that nothing does.
 
-    Of one domain each.
+    Of one domain each; and of motions that only a third one joins.
     """
     stocks = [name for name in junctions if _is_stock(graph, name)]
     for first, second in combinations(stocks, 2):
@@ -119,6 +119,8 @@ def _pairs(
         if alike and not _resisted(graph, first, second):
             yield StockPair(graph, first, scales, second)
     for first, second in motions_apart(graph, junctions):
+        yield ApartPair(graph, first, scales, second)
+    for first, second in motions_beside(graph, junctions):
         yield MotionPair(graph, first, scales, second)
 
 

@@ -58,7 +58,7 @@ class StockPair(PairPlace):
 
 
 class MotionPair(PairPlace):
-    """Two 1-junctions with inertia, in parts of the machine that no bond joins."""
+    """Two 1-junctions with inertia that hang on a third one, and not on each other."""
 
     __slots__ = ()
 
@@ -95,6 +95,12 @@ class MotionPair(PairPlace):
         """Return the edit that joins them by a two-port."""
         own = _parameters(coefficients)
         return CoupleJunctions(self.name, self.second, element, own)
+
+
+class ApartPair(MotionPair):
+    """Two 1-junctions with inertia, in parts of the machine that no bond joins."""
+
+    __slots__ = ()
 
 
 def _parameters(coefficients: tuple[Coefficient, ...]) -> tuple[Parameter, ...]:
