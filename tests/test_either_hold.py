@@ -1,9 +1,10 @@
 """How inputs go on between samples: what is read well says, not what is read badly."""
 
 import numpy as np
+from rc_circuit import rc_circuit
 from scipy.signal import lfilter
 
-from bondgraph import BondGraph, C, FitSettings, R, Recording, Se, bind_to, effort
+from bondgraph import FitSettings, Recording, bind_to, effort
 from bondgraph.fitting.either_hold import simulated_either_way
 from bondgraph.simulation.solvers import Hold
 
@@ -11,12 +12,7 @@ STEP, COUNT, TIME_CONSTANT = 0.1, 1500, 0.4
 
 
 def circuit():
-    g = BondGraph("RC", domain="electrical")
-    g.zero("source", Se("voltage"))
-    g.one("wire", R("resistance"))
-    g.zero("node", C("capacitance"))
-    g.join("source", "wire")
-    g.join("wire", "node")
+    g = rc_circuit()
     g.measure("fine", effort="node")
     g.measure("coarse", effort("node"), unit="V")
     g.parameter("resistance", 2.0, "ohm", std=0.0)

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from rc_circuit import rc_circuit
 from scipy.signal import lfilter
 
-from bondgraph import BondGraph, C, FitSettings, R, Recording, Se, bind_to
+from bondgraph import FitSettings, Recording, bind_to
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.memory import ONLY_BEGINS, remembering
@@ -21,12 +22,7 @@ STEP, COUNT, SLOW, LATE, NOISE = 0.1, 400, 3.0, 0.6, 1e-3
 
 
 def circuit():
-    g = BondGraph("RC", domain="electrical")
-    g.zero("source", Se("voltage"))
-    g.one("wire", R("resistance"))
-    g.zero("node", C("capacitance"))
-    g.join("source", "wire")
-    g.join("wire", "node")
+    g = rc_circuit()
     g.measure("reading", effort="node")
     g.parameter("resistance", 2.0, "ohm", std=0.0)
     g.parameter("capacitance", 1.2, "F", bounds=(0.1, 10.0))

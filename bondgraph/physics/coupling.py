@@ -7,13 +7,11 @@ other, two axes on one frame, share what moves; two bodies drag or pull each oth
 from collections.abc import Iterator
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import E, F, P, Place, Q
+from bondgraph.physics.places.base import MOTION, E, F, P, Place, Q
 from bondgraph.physics.places.pair import ApartPair, MotionPair
-from bondgraph.structure.domains import ELECTRICAL, ROTATION, TRANSLATION
+from bondgraph.structure.domains import ELECTRICAL
 from bondgraph.structure.elements import EffortSource, Gyrator, Inertance, Resistance
 from bondgraph.structure.signals import f
-
-TURNING = frozenset({TRANSLATION, ROTATION})
 
 
 class GyroscopicCoupling(AbstractPhysics):
@@ -26,7 +24,7 @@ class GyroscopicCoupling(AbstractPhysics):
     reference = "Euler's equations of a spinning body; Coriolis forces of small motions"
     passivity = Passivity.STORING
     signature = "one axis moves when the other is driven, a quarter of a swing later"
-    domains = TURNING
+    domains = MOTION
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it for two motions that nothing joins."""
@@ -51,7 +49,7 @@ class Drag(AbstractPhysics):
     reference = "Newton's law of viscosity; Stokes; magnetic drag"
     passivity = Passivity.DISSIPATIVE
     signature = "one is carried along when the other moves; taken for friction of both"
-    domains = TURNING
+    domains = MOTION
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it for two motions that nothing joins, or a third one only."""
@@ -75,7 +73,7 @@ class Tie(AbstractPhysics):
     reference = "Hooke's law"
     passivity = Passivity.STORING
     signature = "two resonances where each had one; beats between the two"
-    domains = TURNING
+    domains = MOTION
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it for such two of known displacements."""
@@ -102,7 +100,7 @@ class SharedInertia(AbstractPhysics):
     reference = "mutual inductance; inertial coupling of two axes"
     passivity = Passivity.STORING
     signature = "one accelerates when the other does"
-    domains = TURNING | {ELECTRICAL}
+    domains = MOTION | {ELECTRICAL}
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield both for two motions that nothing joins."""

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import E, F, Place
+from bondgraph.physics.places.base import MOTION, E, F, Place
 from bondgraph.physics.places.bond import BondPlace
 from bondgraph.physics.places.junction import ZeroJunctionPlace
 from bondgraph.physics.places.pair import StockPair
@@ -11,9 +11,7 @@ from bondgraph.structure.domains import (
     ANALOGUE,
     ELECTRICAL,
     HYDRAULIC,
-    ROTATION,
     THERMAL,
-    TRANSLATION,
 )
 from bondgraph.structure.edits import GraphEdit
 from bondgraph.structure.elements import Compliance, EffortSource, Resistance
@@ -68,7 +66,7 @@ class Slip(Leak):
     word = "slip"
     reference = "creep of belts; fluid couplings; Maxwell body"
     signature = "the far side falls behind under load and does not come back"
-    domains = frozenset({TRANSLATION, ROTATION})
+    domains = MOTION
     stem = "slip_resistance"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:

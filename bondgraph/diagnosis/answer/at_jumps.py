@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.answer.doubt import less_probable
+from bondgraph.diagnosis.evidence.explained import share_explained
 from bondgraph.diagnosis.records import Finding
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.fitting.estimate import FittedModel
@@ -76,10 +77,7 @@ def explained_at_jumps(before: FittedModel, after: FittedModel) -> float:
     near = after_jumps(shots)
     if not 0.0 < near.mean() < RARE:
         return 0.0
-    squares = before.residuals() ** 2 - after.residuals() ** 2
-    gained = np.nansum(squares / before.problem.sigma**2, axis=1)
-    whole = float(gained.sum())
-    return float(gained[near].sum()) / whole if whole > 0.0 else 0.0
+    return share_explained(before, after, near)
 
 
 def _after(found: Round) -> FittedModel:

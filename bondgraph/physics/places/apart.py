@@ -10,12 +10,12 @@ from itertools import combinations
 
 import networkx as nx
 
-from bondgraph.structure.domains import ELECTRICAL, ROTATION, TRANSLATION
+from bondgraph.physics.places.base import MOTION
+from bondgraph.structure.domains import ELECTRICAL
 from bondgraph.structure.elements import Inertance, OneJunction, Transformer
 from bondgraph.structure.graph import FinishedGraph
 
-MECHANICAL = frozenset({TRANSLATION, ROTATION})
-MOVING = MECHANICAL | {ELECTRICAL}
+MOVING = MOTION | {ELECTRICAL}
 """Domains in which two inertias may act on each other past all bonds."""
 
 PAIRS = 2
@@ -73,7 +73,7 @@ def motions_beside(
         for one, other in combinations([b for b in bodies if b in joined], 2)
         if not joined.has_edge(one, other)
         and set(joined[one]) & set(joined[other])
-        and graph.domain_at(bodies[one]) in MECHANICAL
+        and graph.domain_at(bodies[one]) in MOTION
     ]
     return tuple(beside) if len(beside) <= PAIRS * len(bodies) else ()
 

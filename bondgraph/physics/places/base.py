@@ -26,7 +26,8 @@ from bondgraph.structure.signals import parameter_symbol
 PROPOSED = Assumed("hypothesis of a diagnosis")
 """Where the numbers of a law begin that the library proposes."""
 
-MECHANICAL = frozenset({TRANSLATION, ROTATION, ANALOGUE})
+MOTION = frozenset({TRANSLATION, ROTATION})
+MECHANICAL = MOTION | {ANALOGUE}
 FLUID = frozenset({HYDRAULIC, ANALOGUE})
 ELECTRIC = frozenset({ELECTRICAL, ANALOGUE})
 HEAT = frozenset({THERMAL})

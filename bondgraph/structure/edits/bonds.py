@@ -151,7 +151,9 @@ class ConnectJunctions:
 
     def describe(self) -> str:
         """Return the edit in words."""
-        return f"{self.first} and {self.second} joined through {_kinds(self.elements)}"
+        of = " of their sum" if self.summed else ""
+        kinds = _kinds(self.elements)
+        return f"{self.first} and {self.second} joined through {kinds}{of}"
 
     @property
     def subject(self) -> str:

@@ -62,8 +62,8 @@ def explicit_steps(problem: FitProblem, optimum: Optimum, fine: Array) -> Solver
         solver = RungeKutta4(substeps)
         stepped = replace(problem, solver=solver)
         at = optimum.theta, optimum.initial
-        fit = np.all(step_error(stepped, *at) <= fine)
-        if fit and slopes_hold(stepped, *at, linearise_windows(stepped, *at)):
+        near = np.all(step_error(stepped, *at) <= fine)
+        if near and slopes_hold(stepped, *at, linearise_windows(stepped, *at)):
             return solver
     return None
 

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from bondgraph.diagnosis.candidates import Candidate, Rejected
+from bondgraph.diagnosis.evidence.explained import share_explained
 from bondgraph.diagnosis.search.base.stretches import long_error, stretch
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
@@ -81,10 +82,7 @@ def _only_begins(base: FittedModel, candidate: Candidate) -> bool:
     shots, fitted = base.problem.shots, candidate.fitted
     if shots.timeless or fitted.problem.shots.edges != shots.edges:
         return False
-    squares = base.residuals() ** 2 - fitted.residuals() ** 2
-    gained = np.nansum(squares / base.problem.sigma**2, axis=1)
-    first = np.zeros(len(gained), dtype=bool)
+    first = np.zeros(len(shots.time), dtype=bool)
     for start in shots.edges[:-1]:
         first[start : start + FIRST] = True
-    whole = float(gained.sum())
-    return whole > 0.0 and float(gained[first].sum()) > ALL_OF_IT * whole
+    return share_explained(base, fitted, first) > ALL_OF_IT
