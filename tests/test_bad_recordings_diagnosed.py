@@ -23,7 +23,7 @@ from bondgraph.recordings.misreadings import without_misreadings
 from bondgraph.recordings.recording import Recording
 from bondgraph.simulation.solvers import Hold
 
-STEP, COUNT = 0.02, 400
+STEP, COUNT = 0.02, 300
 MASS, VISCOUS, COMPLIANCE = 1.3, 2.0, 1 / 9.0
 NOISE = np.array([5e-4, 2e-3])
 

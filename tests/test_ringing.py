@@ -17,7 +17,7 @@ from bondgraph.physics.modes import FlexibleMode
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.simulation.solvers import Hold
 
-STEP, SAMPLES = 2e-4, 4000
+STEP, SAMPLES = 2e-4, 2400
 MASS, STIFFNESS, DAMPING = 0.72, 2.2e6, 75.0
 PART, RATE, RATIO = 0.095, 2860.0, 0.012
 NOISE = 5e-9

@@ -18,7 +18,7 @@ from bondgraph.structure import signals
 from bondgraph.structure.elements import Inertance, Resistance, Storage
 from bondgraph.structure.fields import MultiPort, ResistanceField
 from bondgraph.structure.graph import CausalPreference, Wanted
-from bondgraph.structure.relations import inverse
+from bondgraph.structure.relations import inverse, slope_of_line
 from bondgraph.structure.signals import parameter_symbol, parameters_in
 
 
@@ -147,10 +147,15 @@ def _ease(element: Storage | Resistance, wanted: sympy.Symbol) -> int:
     relation = element.relation
     if relation.output == wanted:
         return 2
-    law = relation.expression
+    return _ease_of_law(relation.expression, relation.argument, relation.output)
+
+
+@lru_cache(maxsize=1024)
+def _ease_of_law(law: sympy.Expr, argument: sympy.Symbol, output: sympy.Symbol) -> int:
+    """Return how easily a law is inverted, whatever its parameters are called."""
     constants = sorted(map(parameter_symbol, parameters_in(law)), key=str)
     form = law.xreplace(dict(zip(constants, _places(len(constants)), strict=True)))
-    return _ease_of_form(form, relation.argument, relation.output)
+    return _ease_of_form(form, argument, output)
 
 
 @cache
@@ -161,8 +166,7 @@ def _places(count: int) -> tuple[sympy.Symbol, ...]:
 @lru_cache(maxsize=1024)
 def _ease_of_form(law: sympy.Expr, argument: sympy.Symbol, output: sympy.Symbol) -> int:
     """Return how easily a law is inverted; large machines repeat few forms of law."""
-    slope = law.diff(argument)
-    if slope != 0 and not slope.has(argument) and not law.has(sympy.Piecewise):
+    if slope_of_line(law, argument) is not None:
         return 2
     return 0 if inverse(law, argument, output) is None else 1
 

@@ -49,8 +49,6 @@ def explicit_form(model: NumericModel) -> NumericModel | None:
     None where an unknown or a rate enters nonlinearly, or there are more than
     `MOST_UNKNOWNS`. A model that is explicit already is returned as it is.
     """
-    if _is_explicit(model):
-        return model
     parts = [
         array.tobytes()
         for tape in (model.dynamics, model.output)
@@ -58,10 +56,13 @@ def explicit_form(model: NumericModel) -> NumericModel | None:
     ]
     names = (model.state_names, model.input_names, model.parameter_names)
     told = (*parts, repr((names, model.output_names, model.unknown_names)).encode())
-    return _solved(_Key(model, told))
+    key = _Key(model, told)
+    return model if _is_explicit(key) else _solved(key)
 
 
-def _is_explicit(model: NumericModel) -> bool:
+@lru_cache(maxsize=256)
+def _is_explicit(key: _Key) -> bool:
+    model = key.model
     nx = model.n_states
     active = [False] * model.dynamics.n_variables
     active[nx : 2 * nx] = [True] * nx

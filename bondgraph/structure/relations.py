@@ -26,12 +26,8 @@ def inverse(
 
     None also where there is one, but no formula, or only for some parameter values.
     """
-    slope = expression.diff(argument)
-    # Pieces of one slope need not be one line: they may jump in between.
-    one_line = argument not in slope.free_symbols and not expression.has(
-        sympy.Piecewise
-    )
-    if slope != 0 and one_line:
+    slope = slope_of_line(expression, argument)
+    if slope is not None:
         rest = expression.xreplace({argument: sympy.S.Zero})
         return (value - rest) / slope
     here = expression
@@ -41,6 +37,19 @@ def inverse(
             return None
         here, value = peeled
     return value
+
+
+def slope_of_line(expression: sympy.Expr, argument: sympy.Symbol) -> sympy.Expr | None:
+    """Return the slope of an expression that is one line, and not level; else None.
+
+    As it is written: no function of the argument is looked into. The slope of a long
+    curve takes long, and pieces of one slope need not be one line.
+    """
+    bent = expression.atoms(sympy.Function, sympy.Piecewise)
+    if any(part.has(argument) for part in bent):
+        return None
+    slope = expression.diff(argument)
+    return None if slope == 0 or slope.has(argument) else slope
 
 
 def _peeled(

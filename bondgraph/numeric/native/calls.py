@@ -13,6 +13,7 @@ from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 
 def _values(typing: Any, address: Any, v: Any) -> Any:
@@ -23,8 +24,10 @@ def _slopes(typing: Any, address: Any, v: Any, slopes: Any) -> Any:
     return types.void(types.int64, v, slopes), _generate
 
 
-def _along(typing: Any, address: Any, v: Any, d: Any, n: Any) -> Any:
-    return types.void(types.int64, v, d, types.int64), _generate_along
+def _along(
+    typing: Any, address: Any, v: Any, d: Any, own: Any, where: Any, n: Any
+) -> Any:
+    return types.void(types.int64, v, d, own, where, types.int64), _generate_along
 
 
 def _generate(context: Any, builder: Any, signature: Any, given: Any) -> Any:
@@ -38,11 +41,13 @@ def _generate(context: Any, builder: Any, signature: Any, given: Any) -> Any:
 
 
 def _generate_along(context: Any, builder: Any, signature: Any, given: Any) -> Any:
-    address, values, tangents, n = given
-    matrix = context.make_array(signature.args[2])(context, builder, tangents)
-    stride = builder.extract_value(matrix.shape, 1)
-    data = context.make_array(signature.args[1])(context, builder, values).data
-    _call(builder, address, [data, matrix.data, stride, n])
+    address, *arrays, n = given
+    made = [
+        context.make_array(kind)(context, builder, array)
+        for kind, array in zip(signature.args[1:-1], arrays, strict=True)
+    ]
+    stride = builder.extract_value(made[1].shape, 1)
+    _call(builder, address, [*(array.data for array in made), stride, n])
     return context.get_dummy_value()
 
 
@@ -55,5 +60,8 @@ call_values = cast("Callable[[int, Array], None]", intrinsic(_values))
 """Call ``void f(double *v)``."""
 call_slopes = cast("Callable[[int, Array, Array], None]", intrinsic(_slopes))
 """Call ``void f(double *v, double *slopes)``."""
-call_along = cast("Callable[[int, Array, Array, int], None]", intrinsic(_along))
-"""Call ``void f(double *v, double *d, int64 stride, int64 n)``."""
+call_along = cast(
+    "Callable[[int, Array, Array, Array, Integers, int], None]", intrinsic(_along)
+)
+"""Call ``void f(double *v, double *d, double *own, int64 *where, int64 stride, int64
+n)``; the stride is that of `d`."""

@@ -47,10 +47,14 @@ class Function:
 
 
 class Assembly:
-    """Writes the instructions of one function, and remembers its registers."""
+    """Writes the instructions of one function, and remembers its registers.
 
-    def __init__(self, lanes: int = 1) -> None:
+    Two that write the same function have registers of different names.
+    """
+
+    def __init__(self, lanes: int = 1, registers: str = "%r") -> None:
         self.lanes = lanes
+        self.registers = registers
         self.lines: list[str] = []
         self.called: set[str] = set()
         self.real = "double" if lanes == 1 else f"<{lanes} x double>"
@@ -61,15 +65,27 @@ class Assembly:
     def constant(self, value: float) -> str:
         """Return the operand that stands for `value`."""
         bits = struct.unpack("<Q", struct.pack("<d", value))[0]
-        word = f"0x{bits:016X}"
+        return self._repeated(f"0x{bits:016X}")
+
+    def _repeated(self, word: str) -> str:
         if self.lanes == 1:
             return word
         return "<" + ", ".join([f"double {word}"] * self.lanes) + ">"
 
+    def spread(self, value: str) -> str:
+        """Return an operand for one double as one that all lanes have."""
+        if not value.startswith("%"):
+            return self._repeated(value)
+        first = self.write(f"insertelement {self.real} poison, double {value}, i64 0")
+        every = f"<{self.lanes} x i32> zeroinitializer"
+        return self.write(
+            f"shufflevector {self.real} {first}, {self.real} poison, {every}"
+        )
+
     def write(self, instruction: str) -> str:
         """Write an instruction once; return the register with its result."""
         if instruction not in self._known:
-            register = f"%r{len(self._known)}"
+            register = f"{self.registers}{len(self._known)}"
             self.lines.append(f"  {register} = {instruction}")
             self._known[instruction] = register
         return self._known[instruction]

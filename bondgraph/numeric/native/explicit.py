@@ -15,6 +15,8 @@ from bondgraph.numeric.native.calls import (
 )
 from bondgraph.numeric.native.model import NativeSystem
 from bondgraph.numeric.native.samples import read_outputs, variables
+from bondgraph.numeric.native.step import NODES
+from bondgraph.numeric.native.step_tangents import ABREAST
 
 
 @compiled
@@ -34,14 +36,17 @@ def integrate_explicit(  # noqa: C901, PLR0912  (a compiled loop)
     v = variables(system, parameters)
     clock = system.n_variables - 1
     j = np.zeros(max(nx, system.ny, 1) * system.n_columns + 1)
-    d = np.zeros((nx + system.n_parameters, max(n, 1)))
+    wide = max(-(-n // ABREAST), 1) * ABREAST
+    d = np.zeros((nx, wide))
+    own = np.zeros((len(NODES) * nx, wide))
+    where = np.zeros(system.n_parameters, dtype=np.int64)
     dw = np.zeros((nx, max(n, 1)))
     for i in range(nx):
         v[i] = x0[i]
     for i in range(nx if n > nq else 0):
         d[i, nq + i] = 1.0
-    for k in range(nq if n > 0 else 0):
-        d[nx + directions[k], k] = 1.0
+    for k in range(nq):
+        where[directions[k]] = k
     for row in range(samples):
         following = min(row + 1, samples - 1)
         span = time[following] - time[row]
@@ -67,7 +72,7 @@ def integrate_explicit(  # noqa: C901, PLR0912  (a compiled loop)
             v[clock + 1] = step * h
             v[clock + 2] = h
             if n > 0:
-                call_along(system.step_tangents, v, d, n)
+                call_along(system.step_tangents, v, d, own, where, n)
             else:
                 call_values(system.step, v)
     return samples

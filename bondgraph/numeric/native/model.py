@@ -15,7 +15,8 @@ from bondgraph.numeric.native.compiling import (
     slopes_of,
     values_of,
 )
-from bondgraph.numeric.native.step import Sizes, step, step_tangents
+from bondgraph.numeric.native.step import Sizes, step
+from bondgraph.numeric.native.step_tangents import step_tangents
 from bondgraph.numeric.tape import Tape
 
 

@@ -1,11 +1,10 @@
 """One step of the classical Runge-Kutta method as straight-line native code.
 
 The four stages are written out one after another, so that states stay in registers and
-what depends on parameters alone is computed once. The tangents of the step follow in
-one loop over the directions.
+what depends on parameters alone is computed once.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bondgraph.numeric.native.code import Assembly, Function, Row, Writer
@@ -108,85 +107,3 @@ def step(tape: Tape, sizes: Sizes, lanes: int = 1) -> Function:
         store(code, "%v", i, value)
     head = "define void @step(ptr noalias %v) nounwind {"
     return Function([head, *code.lines, "  ret void", "}"], code.called)
-
-
-def step_tangents(tape: Tape, sizes: Sizes, along: Collection[int]) -> Function:
-    """Return ``void step_tangents(double *v, double *d, int64 stride, int64 n)``.
-
-    ``d[i * stride + m]`` is the tangent of state i along direction m; the rows of the
-    parameters follow those of the states and are read only. Those of parameters that
-    are not among `along` count as zero.
-    """
-    code = Assembly()
-    first = sizes.first_parameter
-    columns = [
-        *range(sizes.states),
-        *(first + k if k in along else -1 for k in range(sizes.parameters)),
-    ]
-    stages = step_body(code, tape, sizes, columns)
-    for i, value in enumerate(stages.new):
-        store(code, "%v", i, value)
-    lines = [
-        "define void @step_tangents(ptr noalias %v, ptr noalias %d, i64 %stride, "
-        "i64 %n) nounwind {",
-        "start:",
-        *code.lines,
-        "  %some = icmp sgt i64 %n, 0",
-        "  br i1 %some, label %along, label %done",
-        "along:",
-        "  %m = phi i64 [0, %start], [%next, %along]",
-        *_direction(code, stages, sizes),
-        "  %next = add nuw nsw i64 %m, 1",
-        "  %more = icmp slt i64 %next, %n",
-        "  br i1 %more, label %along, label %done",
-        "done:",
-        "  ret void",
-        "}",
-    ]
-    return Function(lines, code.called)
-
-
-def _direction(code: Assembly, stages: Stages, sizes: Sizes) -> list[str]:
-    """Write the tangents of the step along one direction ``%m``."""
-    written = len(code.lines)
-    used = {c for rows in stages.rows for row in rows for c in row}
-    d = {
-        i: _element(code, i)
-        for i in range(sizes.states + sizes.parameters)
-        if i < sizes.states or i in used
-    }
-    dk: list[str] = []
-    total: list[str] = []
-    parts = {0.5: stages.half, 1.0: stages.h}
-    for node, weight, rows in zip(NODES, WEIGHTS, stages.rows, strict=True):
-        here = dict(d)
-        for i in range(sizes.states if node else 0):
-            here[i] = code.add(d[i], code.multiply(parts[node], dk[i]))
-        dk = [_product(code, row, here) for row in rows]
-        share = [code.multiply(code.constant(weight), a) for a in dk]
-        total = share if not total else list(map(code.add, total, share))
-    for i in range(sizes.states):
-        new = code.add(d[i], code.multiply(stages.sixth, total[i]))
-        code.lines.append(f"  store double {new}, ptr %d{i}.p, align 8")
-    body = code.lines[written:]
-    del code.lines[written:]
-    return body
-
-
-def _product(code: Assembly, row: Row, d: dict[int, str]) -> str:
-    total = code.zero
-    for k, slope in row.items():
-        term = code.multiply(slope, d[k])
-        total = term if total == code.zero else code.add(total, term)
-    return total
-
-
-def _element(code: Assembly, row: int) -> str:
-    name = f"%d{row}"
-    code.lines += [
-        f"  {name}.r = mul i64 %stride, {row}",
-        f"  {name}.i = add i64 {name}.r, %m",
-        f"  {name}.p = getelementptr double, ptr %d, i64 {name}.i",
-        f"  {name} = load double, ptr {name}.p, align 8",
-    ]
-    return name
