@@ -2,17 +2,30 @@
 
 import numpy as np
 import pytest
+import sympy
 
-from bondgraph import BondGraph, I, R, Recording, Se, bind_to, displacement
-from bondgraph.diagnosis.probing import measure_scales
+from bondgraph import (
+    TF,
+    BondGraph,
+    C,
+    I,
+    R,
+    Recording,
+    Se,
+    bind_to,
+    displacement,
+    flow,
+)
+from bondgraph.diagnosis.probing import measure_scales, probe
 from bondgraph.diagnosis.search.trials.trying import Trial, fit_briefly
 from bondgraph.fitting.estimate import FitSettings, fit_model
-from bondgraph.fitting.horizon import Windows
+from bondgraph.fitting.horizon import WholeRecordings, Windows
 from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.places.displacements import known_displacement
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
-from bondgraph.physics.position import EndStop, Spring
+from bondgraph.physics.position import Cogging, EndStop, Gravity, Spring
+from bondgraph.structure.signals import parameter_symbol
 
 UPPER, LOWER = displacement("upper"), displacement("lower")
 
@@ -50,6 +63,83 @@ def test_beside_one_that_is_not_measured_it_is_not_known():
     assert known_displacement(graph, "upper") == {"upper": 1}
     (place,) = (p for p in places(graph, "joint") if hasattr(p, "displacement_signal"))
     assert list(Spring().propose(place)) == []
+
+
+def geared_washer(*measured):
+    """Return a motor that turns a drum through a gear and a belt that gives."""
+    g = BondGraph("washer", domain="rotation")
+    g.one("motor", Se("torque"), I("rotor"))
+    g.one("pulley")
+    g.zero("belt")
+    g.one("stretch", C("give"), R("loss"))
+    g.one("drum", I("inertia"), R("bearing"))
+    g.join("motor", TF("ratio"), "pulley")
+    g.join("pulley", "belt")
+    g.join("belt", "stretch")
+    g.join("belt", "drum")
+    for name in measured:
+        g.measure(f"angle_{name}", displacement=name)
+    known = {
+        "rotor": (0.01, "kg*m^2"),
+        "ratio": (5.0, "1"),
+        "give": (0.02, "rad/(N*m)"),
+        "loss": (0.5, "N*m*s/rad"),
+        "inertia": (0.2, "kg*m^2"),
+        "bearing": (0.1, "N*m*s/rad"),
+    }
+    for name, (value, unit) in known.items():
+        g.parameter(name, value, unit, std=0.0)
+    return g.finish()
+
+
+def test_an_angle_is_known_behind_a_gear_and_a_shaft_that_gives():
+    graph = geared_washer("motor")
+    ratio = parameter_symbol("ratio")
+    assert known_displacement(graph, "pulley") == {"motor": 1 / ratio}
+    assert known_displacement(graph, "drum") == {"motor": 1 / ratio, "stretch": -1}
+    # And from the drum back to the motor.
+    graph = geared_washer("drum")
+    assert known_displacement(graph, "pulley") == {"drum": 1, "stretch": 1}
+    assert known_displacement(graph, "motor") == {"drum": ratio, "stretch": ratio}
+
+
+def test_without_any_angle_none_is_known_but_that_of_the_spring():
+    graph = geared_washer()
+    known = {n: known_displacement(graph, n) for n in ("motor", "pulley", "drum")}
+    assert known == {"motor": None, "pulley": None, "drum": None}
+    assert known_displacement(graph, "stretch") == {"stretch": 1}
+
+
+def test_a_known_angle_is_the_one_that_is_simulated():
+    graph = geared_washer("motor")
+    time = np.arange(200) * 0.01
+    torque = np.sin(3.0 * time)
+    channels = {"torque": (torque, "N*m"), "angle_motor": (torque, "rad")}
+    recording = bind_to(graph, Recording.from_arrays("run", time, channels))
+    base = fit_model(graph, [recording], FitSettings(horizon=WholeRecordings()))
+    drum = known_displacement(graph, "drum")
+    told = sympy.Add(*(k * displacement(name) for name, k in drum.items()))
+    angle, speed = probe(base, (told, flow("drum"))).values()
+    turned = np.diff(angle)
+    np.testing.assert_allclose(
+        turned, 0.005 * (speed[1:] + speed[:-1]), atol=2e-3 * np.abs(turned).max()
+    )
+
+
+def test_what_goes_rigidly_with_another_has_no_springs_of_its_own_but_its_own_turns():
+    graph = geared_washer("motor")
+
+    def proposed(name):
+        return {
+            hypothesis.physics
+            for place in places(graph, name)
+            for physics in (Spring(), EndStop(), Gravity(), Cogging())
+            for hypothesis in physics.propose(place)
+        }
+
+    assert proposed("pulley") == {"gravity", "cogging"}
+    assert proposed("motor") == {"spring", "end_stop", "gravity", "cogging"}
+    assert proposed("drum") == {"spring", "end_stop", "gravity", "cogging"}
 
 
 def test_what_waits_is_what_has_to_be_reached():

@@ -13,6 +13,7 @@ from bondgraph.diagnosis.records import Diagnosis, Support, Verdict
 from bondgraph.diagnosis.work.workers import Here, Where
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.recordings.binding import BoundRecording
+from bondgraph.recordings.own_units import own_unit
 from bondgraph.reporting.curve_table import curve_tables
 from bondgraph.reporting.diagnosis_json import delivered, diagnosis_to_dict
 from bondgraph.reporting.page.evidence import best_of_each
@@ -25,7 +26,7 @@ from bondgraph.reporting.wording import (
     headline,
     number_words,
     percent,
-    unit_words,
+    with_unit,
 )
 from bondgraph.structure.graph import FinishedGraph
 
@@ -89,7 +90,7 @@ def answer(
         kept.done = diagnosis.complete
     session.say(_verdict(session, diagnosis))
     if session.loudness is not Loudness.QUIET:
-        session.say("\n".join(_told(session, diagnosis)))
+        session.say("\n".join(_told(session, diagnosis, every)))
     if html is not None:
         session.write(html, report_html(diagnosis, command=session.command))
     if experiment_file is not None:
@@ -146,13 +147,15 @@ def _how_sure(diagnosis: Diagnosis) -> Iterator[str]:
         yield f"How sure: {told}."
 
 
-def _told(session: Session, diagnosis: Diagnosis) -> Iterator[str]:
+def _told(
+    session: Session, diagnosis: Diagnosis, recordings: Sequence[BoundRecording]
+) -> Iterator[str]:
     """Yield what a reader asks next: how sure, what else, what now.
 
     A block that has nothing to say is left out.
     """
     yield ""
-    yield from _errors(diagnosis)
+    yield from _errors(diagnosis, recordings)
     yield from curve_tables(diagnosis, **table_style(session))
     if diagnosis.candidates:
         yield "Considered, judged on left-out parts of the training recordings"
@@ -195,7 +198,9 @@ def _few(notes: Sequence[str], most: int) -> Iterator[str]:
         yield f"and {len(notes) - most} more: -v, the page and the JSON have them"
 
 
-def _errors(diagnosis: Diagnosis) -> Iterator[str]:
+def _errors(
+    diagnosis: Diagnosis, recordings: Sequence[BoundRecording]
+) -> Iterator[str]:
     yield "Simulated minus measured, before and after"
     parts = (("training", diagnosis.train), ("held out", diagnosis.held_out))
     for name, comparison in parts:
@@ -204,11 +209,15 @@ def _errors(diagnosis: Diagnosis) -> Iterator[str]:
             f"  {name}: {percent(before.nrmse)} → {percent(after.nrmse)} of the "
             "measured spread"
         )
-    units = {e.name: e.unit for e in diagnosis.model.measurements}
+    units = {
+        e.name: own_unit(recordings, e.name, e.unit)
+        for e in diagnosis.model.measurements
+    }
     floors = (
-        f"{name} {number_words(std, 3)} {unit_words(units[name])}"
-        f"{_times_left(diagnosis.held_out.after.rmse.get(name), std)}"
+        with_unit(f"{name} {number_words(std * times, 3)}", unit)
+        + _times_left(diagnosis.held_out.after.rmse.get(name), std)
         for name, std in diagnosis.noise_floor.items()
+        for times, unit in (units[name],)
         if std > 0
     )
     floor = ", ".join(floors)

@@ -12,6 +12,7 @@ from bondgraph.fitting.natural_bounds import gone_words
 from bondgraph.fitting.result import FitResult, Score
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.commands import go_in_steps
+from bondgraph.recordings.own_units import own_unit
 from bondgraph.reporting.diagnosis_json import json_value
 from bondgraph.reporting.model_text import to_python
 from bondgraph.reporting.tables import INTERVAL
@@ -48,7 +49,7 @@ def known(
     bound: Sequence[BoundRecording],
 ) -> Iterator[str]:
     """Yield what the fit knows: errors, and what it cannot tell."""
-    units = {m.name: m.unit for m in graph.measurements}
+    units = {m.name: own_unit(bound, m.name, m.unit) for m in graph.measurements}
     if result.window is None:
         yield _score_words("over whole recordings", result.score, units)
     else:
@@ -140,10 +141,13 @@ def _at_bounds(result: FitResult) -> Iterator[str]:
             )
 
 
-def _score_words(stretch: str, score: Score, units: Mapping[str, str]) -> str:
+def _score_words(
+    stretch: str, score: Score, units: Mapping[str, tuple[float, str]]
+) -> str:
     channels = ", ".join(
-        with_unit(f"{name} {number_words(rmse, 3)}", units[name])
+        with_unit(f"{name} {number_words(rmse * times, 3)}", unit)
         for name, rmse in score.rmse.items()
+        for times, unit in (units[name],)
     )
     share = relative_error(score, "the measured spread")
     return f"Error {stretch}: {share} ({channels} rms)."

@@ -144,7 +144,7 @@ def measure_scales(fitted: FittedModel) -> Scales:
         found[measurement.name] = values
         if isinstance(measurement.expression, Signal):
             found[measurement.expression.name] = values
-    found |= _between(graph, found)
+    found |= _between(graph, fitted.values, found)
     known = {name: x for name, x in found.items() if np.isfinite(x).any()}
     sizes = {name: float(np.sqrt(np.nanmean(x**2))) for name, x in known.items()}
     for junction in graph.junctions:
@@ -190,15 +190,19 @@ def _least(known: Mapping[str, Array]) -> dict[str, float]:
     return {name: float(size.min()) for name, size in sizes.items() if size.size}
 
 
-def _between(graph: FinishedGraph, found: Mapping[str, Array]) -> dict[str, Array]:
-    """Return displacements that are sums or differences of those found."""
+def _between(
+    graph: FinishedGraph, values: Mapping[str, float], found: Mapping[str, Array]
+) -> dict[str, Array]:
+    """Return displacements that are made of those found, with the fitted `values`."""
+    numbers = {parameter_symbol(name): value for name, value in values.items()}
     between = {}
     for junction in graph.junctions:
         parts = known_displacement(graph, junction.name) or {}
-        signs = {displacement(name).name: sign for name, sign in parts.items()}
+        factors = {displacement(name).name: k for name, k in parts.items()}
         own = displacement(junction.name).name
-        if signs and own not in found and signs.keys() <= found.keys():
-            between[own] = np.sum([s * found[n] for n, s in signs.items()], axis=0)
+        if factors and own not in found and factors.keys() <= found.keys():
+            shares = [float(k.xreplace(numbers)) * found[n] for n, k in factors.items()]
+            between[own] = np.sum(shares, axis=0)
     return between
 
 

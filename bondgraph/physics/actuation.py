@@ -15,6 +15,15 @@ from bondgraph.structure.domains import ANALOGUE
 from bondgraph.structure.edits import SignalState
 from bondgraph.structure.signals import displacement
 
+ALONE = (0.0, 0.2, 0.4, 0.6, 0.8, 0.95)
+"""Of the furthest command: where a limit one way is looked for, first at nothing."""
+
+ENDS = {
+    "lower_limit": (0.0, 0.0, 0.0, 0.4, 0.7, 0.95),
+    "upper_limit": (0.95, 0.7, 0.4, 0.0, 0.7, 0.95),
+}
+"""The same of a limit each way: most machines that have two go one way only."""
+
 SEVERAL = 4
 """An input that has been in fewer tenths of its size shows no characteristic."""
 
@@ -76,7 +85,9 @@ class Saturation(AbstractPhysics):
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield a limit of size and one of rate for every input that changes.
 
-        And one of size for every source that is steered inside of a loop.
+        One that goes both ways may have a limit one way alone, or another each way: a
+        pump that is asked to run backwards stands still. And one of size for every
+        source that is steered inside of a loop.
         """
         if isinstance(place, ActuatorPlace):
             yield self._of_actuator(place)
@@ -84,12 +95,37 @@ class Saturation(AbstractPhysics):
             return
         yield self._of_size(place)
         yield self._of_rate(place)
+        low, high = place.range
+        if low < 0.0 < high:
+            yield self._at_ends(place, lower=True)
+            yield self._at_ends(place, upper=True)
+            yield self._at_ends(place, lower=True, upper=True)
 
     def _of_size(self, place: InputPlace) -> Hypothesis:
         limit, law = _limited(place, place.signal, place.channel_unit)
         words = f"{place.name} does not pass a limit, whatever is commanded"
         edit = place.become(law, limit, nested=False)
         return self.hypothesis(place, edit, law, (limit,), words)
+
+    def _at_ends(
+        self, place: InputPlace, *, lower: bool = False, upper: bool = False
+    ) -> Hypothesis:
+        """Return an input that does not pass a limit of its own at one end, or both."""
+        law, own = place.signal, []
+        for asked, end, name, within in (
+            (lower, 0, "lower_limit", sympy.Max),
+            (upper, 1, "upper_limit", sympy.Min),
+        ):
+            if asked:
+                furthest = ENDS[name] if lower and upper else ALONE
+                starts = tuple(share * place.range[end] for share in furthest)
+                limit = place.shape(name, place.channel_unit, starts)
+                law = within(law, limit.symbol)
+                own.append(limit)
+        ends = "a limit each way" if lower and upper else "a limit one way"
+        words = f"{place.name} does not pass {ends}, whatever is commanded"
+        edit = place.become(law, *own, nested=False)
+        return self.hypothesis(place, edit, law, tuple(own), words)
 
     def _of_actuator(self, place: ActuatorPlace) -> Hypothesis:
         limit, law = _limited(place, place.value, place.unit(place.quantity))

@@ -48,13 +48,13 @@ class Gravity(AbstractPhysics):
     signature = "an effort periodic in the angle; a spring over small angles"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it at rotating 1-junctions whose angle is known.
+        """Yield it at rotating 1-junctions whose angle is known, geared ones too.
 
         Beside a spring, too, that is the linear part of a hanging weight.
         """
         if not isinstance(place, OneJunctionPlace) or place.domain != ROTATION:
             return
-        if not place.displacement_known:
+        if place.displacement_signal is None:
             return
         yield self._whole(place)
         springs = (n for n in place.neighbours if isinstance(n, Compliance))
@@ -259,7 +259,7 @@ class Cogging(AbstractPhysics):
     domains = MECHANICAL
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it where the displacement is known.
+        """Yield it where the displacement is known, behind a gear too.
 
         Whole numbers per turn are tried on a shaft that turns round (once per turn is
         gravity's law), numbers of periods over the way elsewhere: halves of them, for
@@ -267,7 +267,7 @@ class Cogging(AbstractPhysics):
         """
         if not isinstance(place, OneJunctionPlace) or not self.suits(place):
             return
-        if not place.displacement_known:
+        if place.displacement_signal is None:
             return
         low, high = place.displacement_range
         turns = place.domain == ROTATION and high - low > 2.0 * math.pi

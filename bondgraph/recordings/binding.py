@@ -32,6 +32,8 @@ class BoundRecording:
         ``[sample, channel]``, in the order of the names.
     input_units, output_units
         The model's units, or the recording's where they were not checked.
+    recorded_units
+        Of the outputs, as the recording has them; none where that is not known.
     unused
         Channels of the recording (or columns of its file) that the model does not use.
     """
@@ -44,6 +46,7 @@ class BoundRecording:
     output_names: tuple[str, ...]
     input_units: tuple[str, ...]
     output_units: tuple[str, ...]
+    recorded_units: tuple[str, ...] = ()
     unused: tuple[str, ...] = ()
     steady: bool = False
     source: str = ""
@@ -108,6 +111,9 @@ class BoundRecording:
             output_names=tuple(outputs),
             input_units=tuple(self.input_units[i] for i in order),
             output_units=tuple(self.output_units[i] for i in read),
+            recorded_units=tuple(self.recorded_units[i] for i in read)
+            if self.recorded_units
+            else (),
         )
 
     def rows(self, rows: Sequence[int], *, name: str | None = None) -> "BoundRecording":
@@ -178,6 +184,9 @@ def bind(
         output_names=tuple(outputs),
         input_units=tuple(found[name].unit for name in inputs),
         output_units=tuple(found[name].unit for name in outputs),
+        recorded_units=tuple(
+            recording.channel(mapping.get(name, name)).unit for name in outputs
+        ),
         unused=tuple(n for n in recording.names if n not in used) + recording.unread,
         steady=recording.steady,
         source=recording.source,

@@ -62,6 +62,6 @@ def _without_position(graph: FinishedGraph) -> tuple[str, ...]:
         for place in all_places(graph, Scales())
         if isinstance(place, OneJunctionPlace)
         and place.domain in MECHANICAL
-        and not place.displacement_known
+        and place.displacement_signal is None
         and any(isinstance(node, Inertance) for node in place.neighbours)
     )

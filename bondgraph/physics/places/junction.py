@@ -46,13 +46,17 @@ class JunctionPlace(Place):
 
     @property
     def displacement_signal(self) -> sympy.Expr | None:
-        """The displacement here, where it is absolute; None elsewhere."""
+        """The displacement here, where its origin is known; None elsewhere."""
         return None
 
     @property
     def displacement_known(self) -> bool:
-        """Whether there is a displacement here that is absolute."""
-        return self.displacement_signal is not None
+        """Whether there is a displacement here that is no other's in proportion.
+
+        What a spring or a stop does to a motion it does to all that goes rigidly with
+        it, so that these are looked for at one of them.
+        """
+        return False
 
     @property
     def has_free_bias(self) -> bool:
@@ -150,11 +154,17 @@ class OneJunctionPlace(JunctionPlace):
 
     @property
     def displacement_signal(self) -> sympy.Expr | None:
-        """The displacement here: measured, that of a C, or between two such."""
+        """The displacement here: measured, that of a C, or made of such."""
         parts = known_displacement(self.graph, self.name)
         if parts is None:
             return None
-        return sympy.Add(*(sign * displacement(name) for name, sign in parts.items()))
+        return sympy.Add(*(k * displacement(name) for name, k in parts.items()))
+
+    @property
+    def displacement_known(self) -> bool:
+        """Whether there is a displacement here that is no other's in proportion."""
+        parts = known_displacement(self.graph, self.name)
+        return parts is not None and (len(parts) > 1 or self.name in parts)
 
     @property
     def reverses(self) -> bool:
