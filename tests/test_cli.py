@@ -144,6 +144,54 @@ def test_derive_says_where_a_nonlinear_model_is_linear(tmp_path):
     assert "gain  1\n" in still  # an integrator: there is none at s = 0
 
 
+DRY = """
+from bondgraph import BondGraph, C, I, R, Se, f
+from sympy import Symbol, sign
+
+def axis():
+    g = BondGraph("axis", domain="translation")
+    dry = R("dry", law=Symbol("coulomb") * sign(f) + Symbol("viscous") * f)
+    g.one("carriage", Se("force"), I("mass"), dry)
+    g.zero("grip")
+    g.one("load", I("tip"))
+    g.one("give", C("spring"))
+    for end in ("carriage", "load", "give"):
+        g.join(*(("carriage", "grip") if end == "carriage" else ("grip", end)))
+    g.measure("speed", flow="carriage")
+    for name, value, unit in (
+        ("mass", 2.0, "kg"), ("coulomb", 1.0, "N"), ("viscous", 3.0, "N*s/m"),
+        ("tip", 1.0, "kg"), ("spring", 0.01, "m/N"),
+    ):
+        g.parameter(name, value, unit)
+    return g
+"""
+
+
+def test_derive_takes_the_speed_of_a_body_for_its_momentum(tmp_path):
+    path = tmp_path / "axis.py"
+    path.write_text(DRY)
+    at = ("derive", f"{path}:axis", "--json", "-", "--at")
+    by_speed = run(*at, "carriage=1.5")
+    by_momentum = run(*at, "p_mass=3")
+    assert by_speed.exit_code == by_momentum.exit_code == 0
+    assert by_speed.stdout == by_momentum.stdout
+    assert "viscous" in by_speed.stdout
+    said = refused(run(*at, "give=1.5"))
+    assert "does not stand for one state" in said
+    assert said.endswith("Give states: p_mass, p_tip, q_spring.")
+
+
+def test_derive_says_where_a_law_jumps(tmp_path):
+    path = tmp_path / "axis.py"
+    path.write_text(DRY)
+    said = run("derive", f"{path}:axis").stdout
+    assert "a law jumps at f_carriage = 0, it has no slope there" in said
+    assert "DiracDelta" not in said
+    said = run("derive", f"{path}:axis", "--at", "p_mas=1").stdout
+    assert "no state or input 'p_mas'" in said
+    assert "dforce" not in said
+
+
 def test_derive_as_latex(model):
     result = run("derive", model, "--latex")
     assert r"\begin{aligned}" in result.stdout

@@ -10,6 +10,7 @@ from bondgraph.causality.assignment import assign_causality
 from bondgraph.causality.records import CausalAssignment
 from bondgraph.cli.command import Command, json_option
 from bondgraph.cli.inputs import model_argument, read_model
+from bondgraph.cli.operating_point import operating_point
 from bondgraph.cli.session import Session
 from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.latex_names import latex as as_formula
@@ -22,7 +23,7 @@ from bondgraph.equations.transfer.descriptor import DescriptorSystem, descriptor
 from bondgraph.equations.transfer.linearity import is_linear
 from bondgraph.equations.transfer.sensitivities import sensitivities
 from bondgraph.equations.transfer.transfer_function import TransferFunction
-from bondgraph.errors import BondGraphError, EquationError, ParameterError
+from bondgraph.errors import BondGraphError, EquationError
 from bondgraph.reporting.derived_json import (
     has_numbers,
     plain_causality,
@@ -51,7 +52,8 @@ _NO_TRANSFERS = "transfer functions: none without an input and a measurement"
     "--at",
     multiple=True,
     metavar="NAME=VALUE",
-    help="State or input at the operating point of a nonlinear model; 0 otherwise.",
+    help="State or input at the operating point of a nonlinear model, or a junction's "
+    "flow (1) or effort (0) that stands for a state; 0 otherwise.",
 )
 @click.option("--latex", is_flag=True, help="Print the equations as LaTeX.")
 @click.option("--reasons", is_flag=True, help="Say why each causal stroke is there.")
@@ -86,9 +88,9 @@ def command(
     graph = read_model(model, values)
     causality = assign_causality(graph)
     equations = derive(graph)
-    linear = _linear(equations, _point(at))
-    transfers = _transfer_functions(linear)
     numbers = _numbers(graph)
+    linear = _linear(equations, operating_point(at, graph, equations, numbers))
+    transfers = _transfer_functions(linear)
     balance, held = energy(graph, equations), invariants(graph, equations)
     form = port_hamiltonian(graph)
     parts: list[EnergyBalance | PortHamiltonian | Invariants] = []
@@ -130,21 +132,6 @@ def _readable(balance: EnergyBalance) -> EnergyBalance:
     """Return the balance in states and inputs, where that is short."""
     few = len(balance.equations.states) <= SHORT
     return balance.in_states() if few else balance
-
-
-def _point(words: Sequence[str]) -> dict[str, float]:
-    point = {}
-    for word in words:
-        name, _, value = (part.strip() for part in word.partition("="))
-        try:
-            point[name] = float(value)
-        except ValueError:
-            raise ParameterError(
-                f"--at {word} does not give a state or input a number.",
-                (name,),
-                "Write --at name=value.",
-            ) from None
-    return point
 
 
 def _linear(

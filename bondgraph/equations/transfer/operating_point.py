@@ -52,12 +52,13 @@ class OperatingPoint:
         )
         self._reduced: ReducedEquations | None = None
         settable = {x.name: x for x in (*self._values, *equations.unknowns, t)}
+        rates = {x.name for x in equations.input_rates}
         for name, value in point_values(at).items():
             if name not in settable:
                 raise EquationError(
                     f"{equations.name!r} has no state or input {name!r}.",
                     (name,),
-                    did_you_mean(name, settable),
+                    did_you_mean(name, [n for n in settable if n not in rates]),
                 )
             self._values[settable[name]] = as_expression(value)
 
@@ -67,6 +68,10 @@ class OperatingPoint:
             return partial
         value = self._evaluated(partial).replace(sympy.DiracDelta, _spike)
         if value.has(*_UNDEFINED):
+            if jumps := self._jumps(partial):
+                raise self._refusal(
+                    f"a law jumps at {jumps}, it has no slope there", partial
+                )
             what = f"the derivative {partial} is not defined there"
             below = self._zeros_below(partial)
             if not below:
@@ -78,6 +83,15 @@ class OperatingPoint:
                 way_out=f"Give an operating point at which {names} is not zero.",
             )
         return value
+
+    def _jumps(self, partial: sympy.Expr) -> str:
+        """Return where a sign in what was differentiated turns at this point."""
+        turning = {
+            spike.args[0]
+            for spike in partial.atoms(sympy.DiracDelta)
+            if self._evaluated(spike.args[0]) == 0
+        }
+        return " and ".join(sorted(f"{one} = 0" for one in turning))
 
     def _zeros_below(self, partial: sympy.Expr) -> list[str]:
         """Return, as they are written, the divisors that are zero."""
