@@ -284,6 +284,8 @@ CASES = [
     Case("slider", "Saturation", "force", {"upper_limit": 0.8}, 3),
     Case("slider", "Saturation", "force", {"lower_limit": -0.2, "upper_limit": 1.1}, 4),
     Case("servo", "Saturation", "loop", {"limit": 1.5}),
+    Case("servo", "Saturation", "loop", {"lower_limit": -0.5}, 1),
+    Case("servo", "Saturation", "loop", {"upper_limit": 0.5}, 2),
     Case("slider", "DeadZone", "force", {"dead_zone": 0.3}),
     Case("slider", "InputNonlinearity", "force", {"input_power": 0.6}),
     Case(

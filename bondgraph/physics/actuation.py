@@ -12,7 +12,7 @@ from bondgraph.physics.places.source import ActuatorPlace
 from bondgraph.physics.powers import raised
 from bondgraph.physics.slips import FACTORS, SLIPS, own_values
 from bondgraph.structure.domains import ANALOGUE
-from bondgraph.structure.edits import SignalState
+from bondgraph.structure.edits import GraphEdit, SignalState
 from bondgraph.structure.signals import displacement
 
 ALONE = (0.0, 0.2, 0.4, 0.6, 0.8, 0.95)
@@ -23,6 +23,8 @@ ENDS = {
     "upper_limit": (0.95, 0.7, 0.4, 0.0, 0.7, 0.95),
 }
 """The same of a limit each way: most machines that have two go one way only."""
+
+Driving = InputPlace | ActuatorPlace
 
 SEVERAL = 4
 """An input that has been in fewer tenths of its size shows no characteristic."""
@@ -86,32 +88,35 @@ class Saturation(AbstractPhysics):
         """Yield a limit of size and one of rate for every input that changes.
 
         One that goes both ways may have a limit one way alone, or another each way: a
-        pump that is asked to run backwards stands still. And one of size for every
+        pump that is asked to run backwards stands still. And limits of size for every
         source that is steered inside of a loop.
         """
-        if isinstance(place, ActuatorPlace):
-            yield self._of_actuator(place)
-        if not isinstance(place, InputPlace) or place.is_constant:
+        if isinstance(place, InputPlace):
+            if place.is_constant:
+                return
+            yield self._of_size(place)
+            yield self._of_rate(place)
+        elif isinstance(place, ActuatorPlace):
+            yield self._of_size(place)
+        else:
             return
-        yield self._of_size(place)
-        yield self._of_rate(place)
         low, high = place.range
         if low < 0.0 < high:
             yield self._at_ends(place, lower=True)
             yield self._at_ends(place, upper=True)
             yield self._at_ends(place, lower=True, upper=True)
 
-    def _of_size(self, place: InputPlace) -> Hypothesis:
-        limit, law = _limited(place, place.signal, place.channel_unit)
-        words = f"{place.name} does not pass a limit, whatever is commanded"
-        edit = place.become(law, limit, nested=False)
-        return self.hypothesis(place, edit, law, (limit,), words)
+    def _of_size(self, place: Driving) -> Hypothesis:
+        limits = tuple(share * place.peak for share in (0.95, 0.8, 0.65, 0.5, 0.35))
+        limit = place.shape("limit", _unit(place), limits, low=0.01 * place.peak)
+        law = sympy.Max(sympy.Min(_asked(place), limit.symbol), -limit.symbol)
+        return self._limited(place, "a limit", law, limit)
 
     def _at_ends(
-        self, place: InputPlace, *, lower: bool = False, upper: bool = False
+        self, place: Driving, *, lower: bool = False, upper: bool = False
     ) -> Hypothesis:
         """Return an input that does not pass a limit of its own at one end, or both."""
-        law, own = place.signal, []
+        law, own = _asked(place), []
         for asked, end, name, within in (
             (lower, 0, "lower_limit", sympy.Max),
             (upper, 1, "upper_limit", sympy.Min),
@@ -119,19 +124,23 @@ class Saturation(AbstractPhysics):
             if asked:
                 furthest = ENDS[name] if lower and upper else ALONE
                 starts = tuple(share * place.range[end] for share in furthest)
-                limit = place.shape(name, place.channel_unit, starts)
+                limit = place.shape(name, _unit(place), starts)
                 law = within(law, limit.symbol)
                 own.append(limit)
         ends = "a limit each way" if lower and upper else "a limit one way"
-        words = f"{place.name} does not pass {ends}, whatever is commanded"
-        edit = place.become(law, *own, nested=False)
-        return self.hypothesis(place, edit, law, tuple(own), words)
+        return self._limited(place, ends, law, *own)
 
-    def _of_actuator(self, place: ActuatorPlace) -> Hypothesis:
-        limit, law = _limited(place, place.value, place.unit(place.quantity))
-        words = f"{place.name} does not pass a limit, whatever the loop asks of it"
-        edit = place.replace(law, limit)
-        return self.hypothesis(place, edit, law, (limit,), words)
+    def _limited(
+        self, place: Driving, what: str, law: sympy.Expr, *own: Coefficient
+    ) -> Hypothesis:
+        if isinstance(place, InputPlace):
+            edit: GraphEdit = place.become(law, *own, nested=False)
+            whatever = "whatever is commanded"
+        else:
+            edit = place.replace(law, *own)
+            whatever = "whatever the loop asks of it"
+        words = f"{place.name} does not pass {what}, {whatever}"
+        return self.hypothesis(place, edit, law, own, words)
 
     def _of_rate(self, place: InputPlace) -> Hypothesis:
         """Return a state that follows the input within a sample, but no faster."""
@@ -150,14 +159,15 @@ class Saturation(AbstractPhysics):
         return self.hypothesis(place, edit, state.value, (rate, within), words)
 
 
-def _limited(
-    place: InputPlace | ActuatorPlace, asked: sympy.Expr, unit: str
-) -> tuple[Coefficient, sympy.Expr]:
-    """Return a limit, and what is asked for, held within it both ways."""
-    peak = place.peak
-    limits = tuple(share * peak for share in (0.95, 0.8, 0.65, 0.5, 0.35))
-    limit = place.shape("limit", unit, limits, low=0.01 * peak)
-    return limit, sympy.Max(sympy.Min(asked, limit.symbol), -limit.symbol)
+def _asked(place: Driving) -> sympy.Expr:
+    """Return what is asked of an input, or of an actuator in its loop."""
+    return place.signal if isinstance(place, InputPlace) else place.value
+
+
+def _unit(place: Driving) -> str:
+    if isinstance(place, InputPlace):
+        return place.channel_unit
+    return place.unit(place.quantity)
 
 
 class DeadZone(AbstractPhysics):

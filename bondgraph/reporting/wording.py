@@ -64,8 +64,8 @@ def number_words(value: float | None, digits: int = 4) -> str:
     return _typeset(f"{value:.{digits}g}")
 
 
-HIDES = 100.0
-"""A deviation so many times the value would round it to nothing: each is written."""
+HIDES = 10.0
+"""A deviation so many times the value leaves it no digit but one: each is written."""
 
 RUN_AWAY = 1e6
 """A value so many times its start, or its start so many times it, has run away."""

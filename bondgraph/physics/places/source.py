@@ -56,10 +56,14 @@ class ActuatorPlace(SourcePlace):
         return node.value
 
     @property
+    def range(self) -> tuple[float, float]:
+        """The least and the largest value that it was asked for."""
+        return self.scales.range_of(f"{self.quantity}({self._bond.name})", self.usual)
+
+    @property
     def peak(self) -> float:
         """The largest size of what it was asked for."""
-        asked = f"{self.quantity}({self._bond.name})"
-        return max(map(abs, self.scales.range_of(asked, self.usual)))
+        return max(map(abs, self.range))
 
     def replace(self, value: sympy.Expr, *coefficients: Coefficient) -> ReplaceRelation:
         """Return the edit that lets it give something else."""
