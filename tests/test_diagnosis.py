@@ -106,7 +106,7 @@ FEW = Options(
     library=tuple(
         physics
         for physics in Options().library
-        if physics.word in ("coulomb_friction", "spring", "lag", "unknown_relation")
+        if physics.word in ("coulomb_friction", "spring", "lag")
     )
 )
 

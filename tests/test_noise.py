@@ -10,10 +10,10 @@ from bondgraph.errors import RecordingError
 from bondgraph.recordings.noise import (
     estimate_noise,
     noise_std,
-    outliers,
     quantisation,
     saturation,
 )
+from bondgraph.recordings.outliers import outliers
 from bondgraph.recordings.reading import read_recording
 
 HERE = Path(__file__).parent
@@ -219,6 +219,26 @@ def test_corners_steps_and_rest_are_no_outliers(signal):
     assert outliers(t, signal(t)).size == 0
     noisy = signal(t) + np.random.default_rng(8).normal(0, 1e-3, t.size)
     assert outliers(t, noisy).size == 0
+
+
+def test_a_misreading_amid_fast_motion_is_found():
+    t = np.arange(2000) * 0.02
+    turned = 70.0 * t + 8.0 * np.sin(3.0 * t)  # some 1.4 rad from sample to sample
+    v = turned + np.random.default_rng(9).normal(0, 0.03, t.size)
+    assert outliers(t, v).size == 0
+    v[[310, 1200]] += [9.4, -9.4]
+    np.testing.assert_array_equal(outliers(t, v), [310, 1200])
+
+
+def test_what_rings_flickers_or_turns_at_once_is_no_misreading():
+    t = np.arange(2000) * 0.02
+    rng = np.random.default_rng(10)
+    turning = np.abs((t % 1.6) - 0.8)
+    kicked = np.exp(-9.0 * (t % 4.0)) * np.cos(60.0 * (t % 4.0))
+    flicker = np.rint(20.0 + 0.45 * np.sin(0.3 * t) + 0.12 * rng.normal(size=t.size))
+    for motion in (turning, kicked):
+        assert outliers(t, motion + 1e-3 * rng.normal(size=t.size)).size == 0
+    assert outliers(t, flicker).size == 0
 
 
 # --- real files ----------------------------------------------------------------------

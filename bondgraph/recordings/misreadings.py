@@ -16,7 +16,7 @@ from scipy.special import bdtrc
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.channel import FloatArray
 from bondgraph.recordings.held import frozen, held, stale
-from bondgraph.recordings.noise import outliers
+from bondgraph.recordings.outliers import outliers
 from bondgraph.recordings.turns import unwrapped
 
 STEPPED = 0.05

@@ -1,4 +1,4 @@
-"""What the numbers say about their sensor: its step, its noise, its limits, its slips.
+"""What the numbers say about their sensor: its step, its noise, its limits.
 
 The noise is read from combinations of neighbouring samples that no smooth signal can
 reach. With divided differences of order k over the actual times, a polynomial of degree
@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bondgraph.errors import RecordingError
 from bondgraph.recordings.channel import FloatArray
@@ -226,36 +226,6 @@ def saturation(values: ArrayLike) -> tuple[Saturation, ...]:
             level = float(v[np.argmax(at)])
             found.append(Saturation(side=side, level=level, samples=count, runs=runs))
     return tuple(found)
-
-
-def outliers(time: ArrayLike, values: ArrayLike) -> NDArray[np.intp]:
-    """Return the samples that jump away from both neighbours and back: candidates.
-
-    A jump counts if it exceeds 8 noise standard deviations, 4 times what 95 % of all
-    changes between samples stay below, and 4 times the change across it.
-
-    Parameters
-    ----------
-    time
-        Seconds, strictly increasing.
-    values
-        Samples of one channel, in any unit.
-    """
-    v = np.asarray(values, dtype=np.float64)
-    there = np.flatnonzero(np.isfinite(v))
-    v, time = v[there], np.asarray(time, dtype=np.float64)[there]
-    if v.size < 4 * (ORDERS[0] + 1):
-        return np.empty(0, dtype=np.intp)
-    steps = np.diff(v)
-    out, back = steps[:-1], -steps[1:]
-    jump = np.where(out * back > 0, np.minimum(np.abs(out), np.abs(back)), 0.0)
-    changes = np.abs(steps[steps != 0.0])
-    # A handful of changes may be all jumps; they cannot say what is usual.
-    usual = float(np.quantile(changes, 0.95)) if changes.size >= 10 else 0.0
-    isolated = (jump > max(8.0 * noise_std(time, v), 4.0 * usual)) & (
-        jump > 4.0 * np.abs(v[2:] - v[:-2])
-    )
-    return there[np.flatnonzero(isolated) + 1]
 
 
 def _flicker_step(values: FloatArray, gaps: FloatArray, blur: float) -> float | None:
