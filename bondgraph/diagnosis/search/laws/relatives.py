@@ -5,7 +5,8 @@ its additions, a narrower one's with them, and the same law's at another place a
 better starts; every candidate is refitted from relatives that fit better. So is a
 plainer one that comes close to the best law at its place: a weight and a spring that
 bends leave nearly the same, and the one whose fit took the model's own numbers into
-another valley would lose by that alone.
+another valley would lose by that alone. And a law with a name where a free curve leads:
+a curve finds its way from anywhere, and takes the model's own numbers along.
 """
 
 from collections.abc import Sequence
@@ -26,7 +27,9 @@ CLOSE = 0.9
 """One that takes away this share of what the best at its place does comes close."""
 
 WIDER = 4
-"""Laws that contain the leading one are tried from its optimum, at most so many."""
+"""Laws that contain the leading one are tried from its optimum, at most so many; and
+so many times the same law elsewhere.
+"""
 
 
 def related(
@@ -34,25 +37,30 @@ def related(
 ) -> list[Candidate]:
     """Return the candidates, each refitted from relatives that fit better.
 
-    Laws that contain the leading one are tried from its optimum, even where they were
-    not kept; a law that its fit has let go of begins again with an effect.
+    Laws that contain the leading one, and the same law elsewhere, are tried from its
+    optimum, even where they were not kept; a law that its fit has let go of begins
+    again with an effect.
     """
     if not candidates:
         return []
+    leading = min(candidates, key=attrgetter("cost"))
     trials = [
         Trial(own.hypothesis, from_relative(own, other))
         for own in candidates
         for other in candidates
         if other.cost < RELATIVE_BETTER * own.cost
-        and (_akin(own, other) or _close(own, other, candidates, bench.base))
+        and (
+            _akin(own, other)
+            or _close(own, other, candidates, bench.base)
+            or (other is leading and _is_named_beside(own, other))
+        )
     ]
-    leading = min(candidates, key=attrgetter("cost"))
     kept = {id(candidate.hypothesis) for candidate in candidates}
-    wider = [
-        h for h in hypotheses if id(h) not in kept and h.contains(leading.hypothesis)
-    ][:WIDER]
+    rest = [h for h in hypotheses if id(h) not in kept]
+    wider = [h for h in rest if h.contains(leading.hypothesis)][:WIDER]
     there = Start.where_ended(leading.fitted)
     trials += [Trial(hypothesis, (there,)) for hypothesis in wider]
+    trials += _elsewhere(leading, rest)
     trials += begun_again(candidates)
     if not trials:
         return candidates
@@ -71,6 +79,30 @@ def _akin(own: Candidate, other: Candidate) -> bool:
     if a.place == b.place:
         return a.contains(b) or b.contains(a)
     return a.physics == b.physics and own.complexity == other.complexity
+
+
+def _is_named_beside(own: Candidate, curve: Candidate) -> bool:
+    """Return whether the other is a free curve, and this a law with a name there."""
+    a, b = own.hypothesis, curve.hypothesis
+    return b.physics == CURVE and a.physics != CURVE and a.place == b.place
+
+
+def _elsewhere(leading: Candidate, rest: Sequence[Hypothesis]) -> list[Trial]:
+    """Return the leading law at other places, from its optimum and with its numbers."""
+    law, there = leading.hypothesis, Start.where_ended(leading.fitted)
+    if law.physics == CURVE:
+        return []
+    known = leading.fitted.graph.parameters
+    trials = []
+    for one in rest:
+        own = {p.name: p.unit for p in one.edit.parameters}
+        twins = list(zip(one.parameters, law.parameters, strict=False))
+        alike = all(own[name] == known[twin].unit for name, twin in twins)
+        same = one.words.replace(one.place, law.place) == law.words
+        if one.is_elsewhere(law) and same and alike:
+            values = {**there.values, **{n: there.values[twin] for n, twin in twins}}
+            trials.append(Trial(one, (replace(there, values=values),)))
+    return trials[:WIDER]
 
 
 def _close(
