@@ -34,7 +34,7 @@ def refitted(monkeypatch):
     """Return a function that says what was fitted again, and from which coupling."""
     monkeypatch.setattr(relatives, "begun_again", lambda _: [])
 
-    def refitted(*laws, others=()):
+    def refitted(*laws):
         asked = []
 
         def run(work, trials, what):
@@ -45,7 +45,7 @@ def refitted(monkeypatch):
 
         base = SimpleNamespace(optimum=SimpleNamespace(cost=1.0))
         bench = SimpleNamespace(base=base, run=run, candidates=lambda *_: [])
-        relatives.related(bench, list(laws), others)
+        relatives.related(bench, list(laws), ())
         return asked
 
     return refitted
@@ -72,28 +72,3 @@ def test_a_law_with_a_name_begins_again_where_a_curve_there_leads(refitted):
     # Another law leads: that curve says nothing.
     ahead = law("spring", 0.01, place="vane", coupling=0.9)
     assert refitted(curve, law("gravity", 0.064), ahead) == []
-
-
-def hypothesis(place, unit="N", words="pulls at {}", physics="gravity"):
-    """Return a law that was proposed elsewhere and not kept."""
-    own = f"{physics}_{place}"
-    edit = SimpleNamespace(parameters=(SimpleNamespace(name=own, unit=unit),))
-    return SimpleNamespace(
-        physics=physics, place=place, parameters=(own,), edit=edit,
-        words=words.format(place), contains=lambda other: False,
-        is_elsewhere=lambda other: other.physics == physics and other.place != place,
-    )  # fmt: skip
-
-
-def test_the_leading_law_is_tried_elsewhere_with_its_own_numbers(refitted):
-    leading = law("gravity", 0.05, coupling=0.3)
-    leading.fitted.values = {"coupling": 0.3, "gravity_dish": 7.0}
-    leading.hypothesis.words = "pulls at dish"
-    there = hypothesis("vane")
-    assert refitted(leading, others=(there,)) == [("gravity", 0.3)]
-    others = (
-        hypothesis("mast", unit="Pa"),
-        hypothesis("mast", words="pushes at {}"),
-        hypothesis("mast", physics="spring"),
-    )
-    assert refitted(leading, others=others) == []

@@ -28,6 +28,7 @@ from bondgraph.diagnosis.search.laws.fits import (
     fit_remembering,
     fit_whatever,
 )
+from bondgraph.diagnosis.search.laws.other_places import at_other_places
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.judging import Verdicts, judge_all
@@ -68,8 +69,8 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
     hypotheses = considered(setting)
     screened = screen(bench, hypotheses)
     leading = promising(screened.promised, options)
-    order = {one.told_by: i for i, one in enumerate(hypotheses)}
-    seen = _led(setting, bench, leading, order, screened.independent)
+    order = _order(hypotheses)
+    seen = _led(setting, bench, leading, hypotheses, screened.independent)
     if setting.is_first and explainable(base, setting.noise) > MUCH:
         first = {id(one.hypothesis) for one in leading}
         others = [one for one in screened.promised if id(one.hypothesis) not in first]
@@ -114,6 +115,11 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
     )
 
 
+def _order(hypotheses: Sequence[Hypothesis]) -> dict[tuple[str, ...], int]:
+    """Return in which order they were proposed, by what tells them apart."""
+    return {one.told_by: i for i, one in enumerate(hypotheses)}
+
+
 def _judged(
     setting: Setting,
     bench: Bench,
@@ -143,7 +149,7 @@ def _led(
     setting: Setting,
     bench: Bench,
     leading: Sequence[Promised],
-    order: Mapping[tuple[str, ...], int],
+    hypotheses: Sequence[Hypothesis],
     tried: float,
 ) -> "_Seen":
     """Fit and judge what promises most, without what leads over windows alone.
@@ -152,9 +158,11 @@ def _led(
     came less far without is fitted to the end after all.
     """
     seen = _Seen(Verdicts(), ())
+    order = _order(hypotheses)
     for _ in range(1 + LED_ASTRAY):
         fitted = fit_best(bench, leading, HOPELESS, setting.options.judged)
         fitted = begun_elsewhere(bench, fitted, setting.noise)
+        fitted = at_other_places(bench, fitted, hypotheses, HOPELESS)
         seen = _judged(setting, bench, fitted, order, tried, seen)
         hollow = {r.hypothesis.told_by for r in seen.rejected if r.reason == FORGETS}
         others = [one for one in leading if one.hypothesis.told_by not in hollow]

@@ -27,9 +27,7 @@ CLOSE = 0.9
 """One that takes away this share of what the best at its place does comes close."""
 
 WIDER = 4
-"""Laws that contain the leading one are tried from its optimum, at most so many; and
-so many times the same law elsewhere.
-"""
+"""Laws that contain the leading one are tried from its optimum, at most so many."""
 
 
 def related(
@@ -37,9 +35,8 @@ def related(
 ) -> list[Candidate]:
     """Return the candidates, each refitted from relatives that fit better.
 
-    Laws that contain the leading one, and the same law elsewhere, are tried from its
-    optimum, even where they were not kept; a law that its fit has let go of begins
-    again with an effect.
+    Laws that contain the leading one are tried from its optimum, even where they were
+    not kept; a law that its fit has let go of begins again with an effect.
     """
     if not candidates:
         return []
@@ -56,11 +53,11 @@ def related(
         )
     ]
     kept = {id(candidate.hypothesis) for candidate in candidates}
-    rest = [h for h in hypotheses if id(h) not in kept]
-    wider = [h for h in rest if h.contains(leading.hypothesis)][:WIDER]
+    wider = [
+        h for h in hypotheses if id(h) not in kept and h.contains(leading.hypothesis)
+    ][:WIDER]
     there = Start.where_ended(leading.fitted)
     trials += [Trial(hypothesis, (there,)) for hypothesis in wider]
-    trials += _elsewhere(leading, rest)
     trials += begun_again(candidates)
     if not trials:
         return candidates
@@ -85,24 +82,6 @@ def _is_named_beside(own: Candidate, curve: Candidate) -> bool:
     """Return whether the other is a free curve, and this a law with a name there."""
     a, b = own.hypothesis, curve.hypothesis
     return b.physics == CURVE and a.physics != CURVE and a.place == b.place
-
-
-def _elsewhere(leading: Candidate, rest: Sequence[Hypothesis]) -> list[Trial]:
-    """Return the leading law at other places, from its optimum and with its numbers."""
-    law, there = leading.hypothesis, Start.where_ended(leading.fitted)
-    if law.physics == CURVE:
-        return []
-    known = leading.fitted.graph.parameters
-    trials = []
-    for one in rest:
-        own = {p.name: p.unit for p in one.edit.parameters}
-        twins = list(zip(one.parameters, law.parameters, strict=False))
-        alike = all(own[name] == known[twin].unit for name, twin in twins)
-        same = one.words.replace(one.place, law.place) == law.words
-        if one.is_elsewhere(law) and same and alike:
-            values = {**there.values, **{n: there.values[twin] for n, twin in twins}}
-            trials.append(Trial(one, (replace(there, values=values),)))
-    return trials[:WIDER]
 
 
 def _close(
