@@ -1,5 +1,7 @@
 """Displacements between two bodies, and stops that are hit once."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 import sympy
@@ -124,6 +126,31 @@ def test_a_known_angle_is_the_one_that_is_simulated():
     np.testing.assert_allclose(
         turned, 0.005 * (speed[1:] + speed[:-1]), atol=2e-3 * np.abs(turned).max()
     )
+
+
+def test_a_lattice_of_masses_is_gone_through_once():
+    """Not once for every way through it, of which six by six masses have millions."""
+    g = BondGraph("lattice", domain="translation")
+    size = range(6)
+    for i, j in product(size, size):
+        g.one(f"m_{i}_{j}", I(f"mass_{i}_{j}"))
+    for i, j in product(size, size):
+        for a, b in ((i, j + 1), (i + 1, j)):
+            if max(a, b) in size:
+                tie = f"{i}_{j}_{a}_{b}"
+                g.zero(f"z_{tie}")
+                g.one(f"s_{tie}", C(f"c_{tie}"))
+                g.join(f"m_{i}_{j}", f"z_{tie}")
+                g.join(f"z_{tie}", f"m_{a}_{b}")
+                g.join(f"z_{tie}", f"s_{tie}")
+    g.put(Se("push"), on="m_0_0")
+    g.measure("speed", flow="m_0_0")
+    assert known_displacement(g.finish(), "m_0_0") is None
+    g.measure("place", displacement="m_0_0")
+    far = known_displacement(g.finish(), "m_5_5")
+    assert far["m_0_0"] == 1
+    # As many springs as lie between the corners, each passed once.
+    assert sorted(far.values()) == [-1] * 10 + [1]
 
 
 def test_what_goes_rigidly_with_another_has_no_springs_of_its_own_but_its_own_turns():

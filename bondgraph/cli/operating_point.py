@@ -6,6 +6,7 @@ momentum, the pressure of a vessel for what it holds.
 
 from collections.abc import Mapping, Sequence
 
+from bondgraph.equations.insertion import Insertion
 from bondgraph.equations.state_equations import StateEquations
 from bondgraph.errors import EquationError, ParameterError
 from bondgraph.structure.domains import Quantity
@@ -60,10 +61,7 @@ def _of_state(
 ) -> tuple[str, float]:
     """Return the state that the common variable of a junction is in proportion to."""
     quantity = Quantity.FLOW if isinstance(junction, OneJunction) else Quantity.EFFORT
-    told = equations.signal(quantity, junction.name)
-    assigned = {one.symbol: one.expression for one in equations.assignments}
-    while found := told.free_symbols & assigned.keys():
-        told = told.xreplace({symbol: assigned[symbol] for symbol in found})
+    told = Insertion(equations)(equations.signal(quantity, junction.name))
     states = told.free_symbols & {state.symbol for state in equations.states}
     others = told.free_symbols - states - set(equations.parameters)
     if len(states) == 1 and not others:

@@ -56,9 +56,9 @@ def found(
 ) -> Iterator[str]:
     """Yield what came of it: errors, energy, events, and where it began."""
     yield from _errors(solution, bound, _noise(bound))
-    spread = "the standard deviation of what was measured"
+    measure = "the standard deviation of what was measured"
     together = "Together that" if len(solution.output_names) > 1 else "That"
-    yield f"{together} is {relative_error(solution.score, spread)}."
+    yield f"{together} is {relative_error(solution.score, measure)}."
     # Pseudo bonds of heat carry no power, and analogue ones none that is in joules.
     if solution.audit.has_flowed and not set(graph.domains) <= {THERMAL, ANALOGUE}:
         yield _energy_words(solution.audit)

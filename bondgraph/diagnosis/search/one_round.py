@@ -4,7 +4,7 @@ Hypotheses are screened by what each promises, the best are fitted, the best of 
 judged on left-out data, and of the supported ones the simplest is chosen.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -69,7 +69,6 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
     hypotheses = considered(setting)
     screened = screen(bench, hypotheses)
     leading = promising(screened.promised, options)
-    order = _order(hypotheses)
     seen = _led(setting, bench, leading, hypotheses, screened.independent)
     if setting.is_first and explainable(base, setting.noise) > MUCH:
         first = {id(one.hypothesis) for one in leading}
@@ -80,7 +79,7 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
         for fit in ways:
             if not _suffices(seen, setting):
                 fitted = fit(bench, others, HOPELESS, options.judged)
-                seen = _judged(setting, bench, fitted, order, tried, seen)
+                seen = _judged(setting, bench, fitted, hypotheses, tried, seen)
     if setting.supported and not _suffices(seen, setting):
         # What remembers was worth its fit before, whatever it promises from here.
         first = {id(one.hypothesis) for one in leading}
@@ -92,7 +91,7 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
         ]
         tried = screened.independent + len(again)
         fitted = fit_remembering(bench, again, HOPELESS, options.judged)
-        seen = _judged(setting, bench, fitted, order, tried, seen)
+        seen = _judged(setting, bench, fitted, hypotheses, tried, seen)
     verdicts, chosen = seen.verdicts, seen.verdicts.chosen
     judged = with_curve_drawn(
         bench, verdicts, screened.independent, options.rule, setting.noise
@@ -115,16 +114,11 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
     )
 
 
-def _order(hypotheses: Sequence[Hypothesis]) -> dict[tuple[str, ...], int]:
-    """Return in which order they were proposed, by what tells them apart."""
-    return {one.told_by: i for i, one in enumerate(hypotheses)}
-
-
 def _judged(
     setting: Setting,
     bench: Bench,
     fitted: Sequence[Candidate],
-    order: Mapping[tuple[str, ...], int],
+    hypotheses: Sequence[Hypothesis],
     tried: float,
     earlier: "_Seen | None" = None,
 ) -> "_Seen":
@@ -137,6 +131,7 @@ def _judged(
     least = rule.materiality / 2
     material = [_beside(c, setting.found) for c in fitted if c.reduction(base) >= least]
     worth, rejected = worth_judging(base, material, recordings)
+    order = {one.told_by: i for i, one in enumerate(hypotheses)}
     worth.sort(key=lambda candidate: order[candidate.hypothesis.told_by])
     seen = _Seen(Verdicts(), ()) if earlier is None else earlier
     verdicts = judge_all(
@@ -158,12 +153,11 @@ def _led(
     came less far without is fitted to the end after all.
     """
     seen = _Seen(Verdicts(), ())
-    order = _order(hypotheses)
     for _ in range(1 + LED_ASTRAY):
         fitted = fit_best(bench, leading, HOPELESS, setting.options.judged)
         fitted = begun_elsewhere(bench, fitted, setting.noise)
         fitted = at_other_places(bench, fitted, hypotheses, HOPELESS)
-        seen = _judged(setting, bench, fitted, order, tried, seen)
+        seen = _judged(setting, bench, fitted, hypotheses, tried, seen)
         hollow = {r.hypothesis.told_by for r in seen.rejected if r.reason == FORGETS}
         others = [one for one in leading if one.hypothesis.told_by not in hollow]
         if seen.verdicts.chosen is not None or len(others) == len(leading):

@@ -8,7 +8,9 @@ A load behind a gear and a shaft that gives turns as its motor does, geared, les
 the shaft is wound up.
 """
 
-from collections.abc import Mapping, Set
+from collections import deque
+from collections.abc import Mapping
+from functools import lru_cache
 
 import sympy
 
@@ -31,17 +33,46 @@ def known_displacement(graph: FinishedGraph, junction: str) -> Parts | None:
     Factors are signs, and the ratios of the transformers between; where it is absolute
     it is its own displacement.
     """
-    return _known(graph, junction, frozenset())
+    return _displacements(_This(graph)).get(junction) or None
 
 
-def _known(graph: FinishedGraph, junction: str, passed: Set[str]) -> Parts | None:
-    if _is_absolute(graph, junction):
-        return {junction: sympy.S.One}
-    for bond in graph.bonds_at(junction):
-        found = _beyond(graph, bond, junction, passed)
-        if found is not None:
-            return found
-    return None
+class _This:
+    """A graph as a key: itself and no equal one, which would take long to compare."""
+
+    def __init__(self, graph: FinishedGraph) -> None:
+        self.graph = graph
+
+    def __hash__(self) -> int:
+        return id(self.graph)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _This) and other.graph is self.graph
+
+
+@lru_cache(maxsize=16)
+def _displacements(this: _This) -> dict[str, Parts]:
+    """Return all displacements that are known, told by the nearest absolute ones."""
+    graph = this.graph
+    junctions = [one.name for one in graph.junctions if isinstance(one, OneJunction)]
+    absolute = [name for name in junctions if _is_absolute(graph, name)]
+    told: dict[Bond, Parts] = {}
+    for name in absolute:
+        for bond in graph.bonds_at(name):
+            told.setdefault(bond, {name: sympy.S.One})
+    reached = deque(told)
+    while reached:
+        bond = reached.popleft()
+        for end in (bond.tail, bond.head):
+            for further, parts in _beyond(graph, bond, end, told).items():
+                told[further] = parts
+                reached.append(further)
+    by_bond = {
+        name: told[bond]
+        for name in junctions
+        for bond in graph.bonds_at(name)[:1]
+        if bond in told
+    }
+    return by_bond | {name: {name: sympy.S.One} for name in absolute}
 
 
 def _is_absolute(graph: FinishedGraph, junction: str) -> bool:
@@ -53,49 +84,33 @@ def _is_absolute(graph: FinishedGraph, junction: str) -> bool:
 
 
 def _beyond(
-    graph: FinishedGraph, bond: Bond, here: str, passed: Set[str]
-) -> Parts | None:
-    """Return the displacement of a bond, told by what is at its other end."""
-    there = bond.other(here)
-    if there in passed:
-        return None
-    passed = passed | {here}
-    match graph.node(there):
+    graph: FinishedGraph, bond: Bond, end: str, told: Mapping[Bond, Parts]
+) -> dict[Bond, Parts]:
+    """Return the bonds at one end of a bond that it now tells, too."""
+    unknown = [one for one in graph.bonds_at(end) if one not in told]
+    match graph.node(end):
         case OneJunction():
-            return _known(graph, there, passed)
-        case ZeroJunction():
-            return _by_balance(graph, bond, there, passed)
-        case Transformer() as gear if not signals_in(gear.modulus):
-            return _geared(graph, bond, gear, passed)
-    return None
+            return dict.fromkeys(unknown, told[bond])
+        case ZeroJunction() if len(unknown) == 1:
+            return {unknown[0]: _by_balance(graph, unknown[0], end, told)}
+        case Transformer() as gear if unknown and not signals_in(gear.modulus):
+            (other,) = unknown
+            # Where power is not counted through it, it is no plain ratio.
+            if (other.head == end) != (bond.head == end):
+                ratio = gear.modulus if other.head == end else 1 / gear.modulus
+                return {other: {n: ratio * k for n, k in told[bond].items()}}
+    return {}
 
 
 def _by_balance(
-    graph: FinishedGraph, own: Bond, zero: str, passed: Set[str]
-) -> Parts | None:
-    """Return the flow of a bond by the balance of the 0-junction at its end."""
+    graph: FinishedGraph, own: Bond, zero: str, told: Mapping[Bond, Parts]
+) -> Parts:
+    """Return the flow of a bond by the balance of a 0-junction."""
     total: dict[str, sympy.Expr] = {}
     for bond in graph.bonds_at(zero):
-        if bond == own:
-            continue
-        found = _beyond(graph, bond, zero, passed)
-        if found is None:
-            return None
-        along = (bond.head == zero) == (own.head == zero)
-        for name, factor in found.items():
-            total[name] = total.get(name, sympy.S.Zero) + (-factor if along else factor)
-    return {name: factor for name, factor in total.items() if factor != 0} or None
-
-
-def _geared(
-    graph: FinishedGraph, own: Bond, gear: Transformer, passed: Set[str]
-) -> Parts | None:
-    """Return the flow of a bond by the transformer at its end: ``f_a = K f_b``."""
-    (other,) = (bond for bond in graph.bonds_at(gear.name) if bond != own)
-    if (own.head == gear.name) == (other.head == gear.name):
-        return None  # not the way power is counted through it
-    found = _beyond(graph, other, gear.name, passed)
-    if found is None:
-        return None
-    ratio = gear.modulus if own.head == gear.name else 1 / gear.modulus
-    return {name: ratio * factor for name, factor in found.items()}
+        if bond != own:
+            along = (bond.head == zero) == (own.head == zero)
+            for name, factor in told[bond].items():
+                share = -factor if along else factor
+                total[name] = total.get(name, sympy.S.Zero) + share
+    return {name: factor for name, factor in total.items() if factor != 0}
