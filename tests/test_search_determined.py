@@ -13,7 +13,7 @@ NAMES = ("bearing", "drag", "height")
 LOW = np.array([1e-6, 0.0, -np.inf])
 
 
-def fitted(null, bearing):
+def fitted(null, bearing, stated):
     """Return a fit of a bearing, a drag and a law's height; `null` tells nothing.
 
     The model alone tells a bearing of 1e-6 as little.
@@ -23,13 +23,15 @@ def fitted(null, bearing):
         free=np.arange(3),
         low=LOW,
         high=np.full(3, np.inf),
+        start=np.array([stated, 8e-5, 0.0]),
         model=SimpleNamespace(parameter_names=NAMES),
     )
-    units = {name: SimpleNamespace(unit="1") for name in NAMES}
+    units = {name: SimpleNamespace(unit="1", source=None) for name in NAMES}
     return SimpleNamespace(
         problem=problem,
         optimum=SimpleNamespace(theta=np.array([bearing, 8e-5, 0.3]), null=null),
         graph=SimpleNamespace(parameters=units),
+        values=dict(zip(NAMES, (bearing, 8e-5, 0.3), strict=True)),
     )
 
 
@@ -45,15 +47,17 @@ def told(monkeypatch):
         ),
     )
 
-    def told(physics, null, bearing, *, is_slip=False):
+    def told(physics, null, bearing, *, stated=None, is_slip=False):
+        stated = bearing if stated is None else stated
         law = SimpleNamespace(
             physics=physics,
             strengths=("height",),
             parameters=("height",),
             is_slip=is_slip,
         )
-        candidate = SimpleNamespace(hypothesis=law, fitted=fitted([null], bearing))
-        kept, others = determined(fitted([], bearing), [candidate])
+        own = fitted([null], bearing, stated)
+        candidate = SimpleNamespace(hypothesis=law, fitted=own)
+        kept, others = determined(fitted([], bearing, stated), [candidate])
         assert len(kept) + len(others) == 1
         return others[0].reason if others else None
 
@@ -77,3 +81,10 @@ def test_a_curve_may_share_with_what_is_there(told):
 def test_what_was_plugged_wrong_adds_no_number_to_be_determined(told):
     assert told("input_swap", (1.0, 0.0, 0.0), bearing=0.1, is_slip=True) is None
     assert told("input_scale", (1.0, 0.0, 0.0), bearing=0.1) == REASON
+
+
+def test_of_what_has_run_away_nothing_was_told(told):
+    # Twice what is stated is a number; a hundred times is what a law was missing for.
+    assert told("drag", (1.0, 0.0, 0.0), bearing=0.2, stated=0.1) == REASON
+    assert told("drag", (1.0, 0.0, 0.0), bearing=0.2, stated=2e-3) is None
+    assert told("drag", (0.7, 0.0, 0.7), bearing=0.2, stated=2e-3) == REASON

@@ -4,7 +4,20 @@ import numpy as np
 import pytest
 import sympy
 
-from bondgraph import BondGraph, C, I, R, Recording, Se, Sf, bind_to, effort, q
+from bondgraph import (
+    BondGraph,
+    C,
+    I,
+    MSe,
+    R,
+    Recording,
+    Se,
+    Sf,
+    bind_to,
+    displacement,
+    effort,
+    q,
+)
 from bondgraph.diagnosis.search.base.horizons import search_settings
 from bondgraph.fitting.automatic import grows
 from bondgraph.fitting.estimate import FitSettings, prepare
@@ -81,5 +94,22 @@ def test_an_effect_that_goes_on_growing_is_seen(stiffness, runs_away):
     time = 5e-4 * np.arange(SAMPLES)
     force = np.random.default_rng(1).standard_normal(SAMPLES)
     channels = {"force": (force, "N"), "gap": (0.0 * time, "m")}
+    recording = bind_to(graph, Recording.from_arrays("run", time, channels))
+    assert grows(graph, prepare(graph), [recording], FitSettings()) == runs_away
+
+
+@pytest.mark.parametrize(("push", "runs_away"), [(20.0, True), (-20.0, False)])
+def test_what_has_run_away_as_far_as_it_can_go_grew(push, runs_away):
+    g = BondGraph("hill", domain="translation")
+    slope = sympy.Symbol("push") * sympy.tanh(displacement("ball") / 0.01)
+    g.one("ball", Se("force"), I("mass"), R("drag"), MSe("hill", value=slope))
+    g.measure("place", displacement="ball")
+    g.parameter("mass", 1.0, "kg")
+    g.parameter("drag", 20.0, "N*s/m")
+    g.parameter("push", push, "N")
+    graph = g.finish()
+    time = 2e-3 * np.arange(SAMPLES)
+    force = np.random.default_rng(1).standard_normal(SAMPLES)
+    channels = {"force": (force, "N"), "place": (0.0 * time, "m")}
     recording = bind_to(graph, Recording.from_arrays("run", time, channels))
     assert grows(graph, prepare(graph), [recording], FitSettings()) == runs_away

@@ -5,8 +5,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from bondgraph.diagnosis.candidates import CURVE
+from bondgraph import TF, BondGraph, R, Recording, Sf, bind_to
+from bondgraph.diagnosis.candidates import Candidate
+from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.search.laws import other_places
+from bondgraph.diagnosis.search.laws.other_places import at_other_places
+from bondgraph.diagnosis.search.revising.removal import fitted_with
+from bondgraph.fitting.estimate import FitSettings, fit_model
+from bondgraph.physics.places.everywhere import all_places
+from bondgraph.physics.unknown import UnknownRelation
 
 
 def law(place, cost, physics="gravity"):
@@ -81,8 +88,65 @@ def test_only_the_same_form_in_the_same_unit_is_tried(tried):
     assert tried([law("dish", 0.05)], others) == ([], ["dish"])
 
 
-def test_a_curve_that_leads_is_tried_nowhere_else(tried):
-    curve = law("dish", 0.05, physics=CURVE)
-    asked, _ = tried([curve], [proposed("vane", physics=CURVE)])
-    assert asked == []
+def geared():
+    """Return a load that is driven through a gear; the torque at the motor is read."""
+    g = BondGraph("geared", domain="rotation")
+    g.one("motor", Sf("speed"), R("bearing"))
+    g.one("load", R("drag"))
+    g.join("motor", TF("ratio"), "load")
+    g.measure("torque", effort="speed", unit="N*m")
+    g.parameter("ratio", 5.0, std=0.0)
+    g.parameter("bearing", 1.0, "N*m*s/rad", bounds=(0, 100))
+    g.parameter("drag", 1.0, "N*m*s/rad", bounds=(0, 100))
+    return g.finish()
+
+
+@pytest.fixture(scope="module")
+def base():
+    time = 0.01 * np.arange(800)
+    speed = 10.0 * np.sin(1.3 * time)
+    channels = {"speed": (speed, "rad/s"), "torque": (1.04 * speed, "N*m")}
+    run = bind_to(geared(), Recording.from_arrays("run", time, channels))
+    return fit_model(geared(), [run], FitSettings())
+
+
+def curve_at_motor(base):
+    """Return a curve at the motor that its fit has bent, and the law itself."""
+    places = all_places(base.graph, measure_scales(base))
+    motor = next(place for place in places if place.name == "motor")
+    law = next(one for one in UnknownRelation().propose(motor) if one.visited)
+    bent = {name: 0.1 * i**2 for i, name in enumerate(law.strengths)}
+    return Candidate(law, fitted_with(base, base, [law], bent), len(bent))
+
+
+def test_a_curve_that_leads_takes_its_line_along(base):
+    curve = curve_at_motor(base)
+    asked = []
+
+    def run(work, trials, what):
+        asked.extend(trials)
+        return [{"refused": "asked only"}] * len(trials)
+
+    bench = SimpleNamespace(base=base, run=run, candidates=lambda *_: [])
+    assert at_other_places(bench, [curve], [], keep=0.75) == [curve]
+    (trial,) = asked
+    assert trial.hypothesis.place == "load"
+    # Where the speed is a fifth, the torque is five times as large.
+    heights = [trial.starts[0].values[name] for name in trial.hypothesis.strengths]
+    known = [curve.fitted.values[name] for name in curve.hypothesis.strengths]
+    np.testing.assert_allclose(heights, 5.0 * np.array(known), rtol=0.02, atol=0.1)
+
+
+def test_a_curve_that_a_named_law_comes_near_is_tried_nowhere_else(base):
+    curve = curve_at_motor(base)
+    named = SimpleNamespace(
+        hypothesis=SimpleNamespace(physics="gravity", is_slip=False),
+        cost=1.1 * curve.cost,
+    )
+    bench = SimpleNamespace(base=base)
+    found = at_other_places(bench, [curve, named], [], keep=0.75)
+    assert found == [curve, named]
+
+
+def test_where_nothing_was_fitted_nothing_is_tried(tried):
     assert tried([], [proposed("vane")]) == ([], [])

@@ -128,13 +128,20 @@ def grows(
     """Return whether the effect of an initial state on the outputs goes on growing.
 
     True for unstable plants and for what integrates twice: there the least disturbance
-    is more than anything else in the end.
+    is more than anything else in the end. One that has run away as far as it can go,
+    a ball to the lowest end of its beam, goes on growing no more, and stays there.
     """
     size = _effects(graph, model, max(recordings, key=len), settings)
     if not np.isfinite(size).all():
         return True
     early, late = size[: len(size) // 2 + 1], size[-max(len(size) // 10, 1) :]
-    return bool((late.max(axis=0) > GROWING * early.max(axis=0)).any())
+    if (late.max(axis=0) > GROWING * early.max(axis=0)).any():
+        return True
+    reached = np.maximum.accumulate(size, axis=0)
+    half = reached[SHORTEST : len(size) // 2]
+    whole = reached[2 * SHORTEST :][: 2 * len(half) : 2]
+    exploded = (whole > DOUBLED * half) & (half > 0.0)
+    return bool((exploded.any(axis=0) & (late.max(axis=0) > 0.5 * reached[-1])).any())
 
 
 def remembered(

@@ -29,6 +29,7 @@ from bondgraph.diagnosis.search.laws.fits import (
     fit_whatever,
 )
 from bondgraph.diagnosis.search.laws.other_places import at_other_places
+from bondgraph.diagnosis.search.laws.read_off import read_off
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.judging import Verdicts, judge_all
@@ -132,7 +133,7 @@ def _judged(
     material = [_beside(c, setting.found) for c in fitted if c.reduction(base) >= least]
     worth, rejected = worth_judging(base, material, recordings)
     order = {one.told_by: i for i, one in enumerate(hypotheses)}
-    worth.sort(key=lambda candidate: order[candidate.hypothesis.told_by])
+    worth.sort(key=lambda one: order.get(one.hypothesis.told_by, len(order)))
     seen = _Seen(Verdicts(), ()) if earlier is None else earlier
     verdicts = judge_all(
         bench, worth, tried, rule, setting.noise, setting.fault, seen.verdicts
@@ -157,6 +158,7 @@ def _led(
         fitted = fit_best(bench, leading, HOPELESS, setting.options.judged)
         fitted = begun_elsewhere(bench, fitted, setting.noise)
         fitted = at_other_places(bench, fitted, hypotheses, HOPELESS)
+        fitted = read_off(bench, fitted, hypotheses, HOPELESS)
         seen = _judged(setting, bench, fitted, hypotheses, tried, seen)
         hollow = {r.hypothesis.told_by for r in seen.rejected if r.reason == FORGETS}
         others = [one for one in leading if one.hypothesis.told_by not in hollow]

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE
+from bondgraph.diagnosis.evidence.leftover import noise_floor
 from bondgraph.diagnosis.search.base.between_samples import finely_stepped
 from bondgraph.diagnosis.search.base.beyond_noise import left_beside, within
 from bondgraph.diagnosis.search.base.weighed import weighed_anew
@@ -78,7 +79,8 @@ def search(
     rounds = _searched([], start, recordings, options, shop, another=another)
     curve = told_instead(rounds, options.rule)
     if curve is None and not shop.limit.passed:
-        curve = told_if_fine(rounds, noise, options.rule, shop)
+        floor = np.fromiter(noise_floor(recordings).values(), np.float64)
+        curve = told_if_fine(rounds, floor, options.rule, shop)
     begun = None
     if curve is not None and not shop.limit.passed:
         shop.progress("again, from a curve that no law with a name comes near to")

@@ -98,13 +98,13 @@ def _begun_as(
     law: Candidate, curve: Hypothesis, place: JunctionPlace, known: set[tuple[str, ...]]
 ) -> Trial | None:
     """Return a fit of the curve that begins as the law; None where it was judged."""
-    x, y = law_curve(law.fitted, law, _variable(curve, place).value)
+    x, y = law_curve(law.fitted, law, variable_of(curve, place).value)
     over = _another(curve.visited, (float(x.min()), float(x.max())))
     if over is not None:
         curve = _over(place, curve, over)
     elif curve.told_by in known:
         return None
-    return Trial(curve, (_as_the_law(law, curve, place, (x, y)),))
+    return Trial(curve, (along_line(law, curve, place, (x, y)),))
 
 
 def _another(visited: Range | None, told: Range) -> Range | None:
@@ -121,7 +121,7 @@ def _over(place: JunctionPlace, curve: Hypothesis, visited: Range) -> Hypothesis
     return next(one for one in proposed if one.words == curve.words)
 
 
-def _variable(curve: Hypothesis, place: JunctionPlace) -> Quantity:
+def variable_of(curve: Hypothesis, place: JunctionPlace) -> Quantity:
     """Return what a curve is drawn over."""
     if any(Quantity.DISPLACEMENT.value in one for one in curve.depends_on):
         return Quantity.DISPLACEMENT
@@ -129,12 +129,12 @@ def _variable(curve: Hypothesis, place: JunctionPlace) -> Quantity:
     return Quantity.FLOW if is_one else Quantity.EFFORT
 
 
-def _as_the_law(
+def along_line(
     law: Candidate, curve: Hypothesis, place: JunctionPlace, line: tuple[Array, Array]
 ) -> Start:
-    """Return where the law has ended, with the heights of the curve on its line."""
+    """Return where a law has ended, with the heights of the curve on a line."""
     assert curve.visited is not None
-    knots = knots_at(place, _variable(curve, place), curve.visited)
+    knots = knots_at(place, variable_of(curve, place), curve.visited)
     heights = np.interp(knots, *line)
     on_it = dict(zip(curve.strengths, map(float, heights), strict=True))
     return Start({**law.fitted.values, **on_it})

@@ -134,7 +134,7 @@ def told_instead(rounds: Sequence[Round], rule: Rule) -> BetterCurve | None:
 
 
 def told_if_fine(
-    rounds: Sequence[Round], noise: Array, rule: Rule, shop: Workshop
+    rounds: Sequence[Round], floor: Array, rule: Rule, shop: Workshop
 ) -> BetterCurve | None:
     """Return a curve to tell in place of named laws that leave much, if any.
 
@@ -145,20 +145,21 @@ def told_if_fine(
 
     Parameters
     ----------
-    noise
-        Residual per output that noise excuses, 0 where it is not known.
+    floor
+        Measurement noise per output, as estimated, 0 where it is not known: also where
+        it does not look white to a single channel. No model comes down to what is none.
     """
     made, first = made_in(rounds), rounds[0]
     named = made and all(one.physics not in {CURVE, *DRY} for one in made)
     chosen, left = first.chosen, rounds[-1].base
-    if not named or chosen is None or explainable(left, noise) <= FAR_FROM_IT:
+    if not named or chosen is None or explainable(left, floor) <= FAR_FROM_IT:
         return None
     before = left_out_errors(first.base, chosen.errors.chunks.size)
     bench = Bench.of(first.base, shop, "round 1")
     all_named = _dealt_like(made[-1], chosen)
     for curve, fine in drawn_as_near(bench, chosen, first.judged, before):
         held = _held_against(all_named, rounds, 0, fine)
-        all_there_is = explainable(fine.candidate.fitted, noise) <= NOISE_ALONE
+        all_there_is = explainable(fine.candidate.fitted, floor) <= NOISE_ALONE
         if all_there_is and clearly_better(fine, all_named, rule):
             return replace(held, curve=curve)
     return None

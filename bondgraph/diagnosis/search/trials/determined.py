@@ -97,7 +97,7 @@ def _is_told(candidate: Candidate, base: FittedModel) -> bool:
     Nor of a number that the model without it told from none, or left open: a law does
     not take the place of those. What stands for a law that is missing only seems to be
     told: a belt that gives way for a mast that sways. Beside the mast nothing is known
-    of the belt.
+    of the belt. Nor is what has run away without the law a number that was told.
     """
     fitted = candidate.fitted
     null = np.abs(uncertainty(fitted.problem, fitted.optimum).null)
@@ -110,7 +110,7 @@ def _is_told(candidate: Candidate, base: FittedModel) -> bool:
             base.problem.free_names, base.optimum.theta, std, strict=True
         )
         if not abs(value) <= error  # Of what is not told at all there is none.
-    }
+    } - set(run_away(base))
     return not set(names[most > TRACE]) & (known | set(candidate.hypothesis.parameters))
 
 
