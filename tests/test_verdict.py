@@ -9,6 +9,7 @@ from handmade_diagnosis import cart_diagnosis
 from judged_candidates import judged
 
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
+from bondgraph.diagnosis.answer import left_open
 from bondgraph.diagnosis.answer.doubt import doubted
 from bondgraph.diagnosis.answer.notes import notes_on
 from bondgraph.diagnosis.answer.telling import left_of_whole
@@ -252,6 +253,27 @@ def test_what_mends_only_what_it_was_fitted_to_is_not_the_cause(
     assert carries_over(held_out, trained) == (not idle)
     # Over stretches it helps: a drive that turns freely is off in the long run.
     assert carries_over(held_out, trained, _errors(0.05, 0.004))
+
+
+@pytest.mark.parametrize(("std", "speaks"), [(0.2, False), (0.1, True), (np.nan, True)])
+def test_held_out_data_that_open_numbers_miss_as_far_say_nothing(
+    monkeypatch, std, speaks
+):
+    shown, trained = _errors(0.30, 0.299), _errors(0.1, 0.01)
+    name = next(iter(shown.after.rmse))
+    monkeypatch.setattr(left_open, "prediction_std", lambda *_: {name: std})
+    # What mends held-out data is asked no more.
+    assert not left_open.is_left_open(None, [], _errors(0.30, 0.20), trained)
+    open_there = left_open.is_left_open(None, [], shown, trained)
+    assert open_there == (not speaks)
+    answer, statement = worse_held_out(
+        Verdict.PHYSICS_MISSING, "A lag.", shown, trained, left_open=open_there
+    )
+    assert (answer is Verdict.UNEXPLAINED) == speaks
+    assert ("tell nothing of it" in statement) == (not speaks)
+    assert carries_over(shown, trained, left_open=open_there) == (not speaks)
+    # What spoils them is not the cause, whatever is open.
+    assert not carries_over(_errors(0.3, 0.5), trained, left_open=True)
 
 
 def test_what_carries_over_in_stretches_is_not_held_to_whole_recordings():

@@ -75,11 +75,9 @@ def simulate_stretches(
 def _simulate(
     fitted: FittedModel, recordings: Sequence[BoundRecording], horizon: Horizon
 ) -> WholeSimulation:
-    shots = cut(recordings, horizon)
-    old = fitted.problem
-    problem = pose(fitted.graph, old.model, shots, fitted.settings, old.sigma)
-    problem = replace(problem, start=fitted.parameters)
-    at = _settled(problem, fitted)
+    problem = posed_over(fitted, recordings, horizon)
+    shots, old = problem.shots, fitted.problem
+    _, at = settled_over(problem, fitted)
     residuals = at.residuals * old.sigma
     residuals = np.where(np.isfinite(shots.outputs), residuals, np.nan)
     return WholeSimulation(
@@ -92,8 +90,19 @@ def _simulate(
     )
 
 
-def _settled(problem: FitProblem, fitted: FittedModel) -> Linearisation:
-    """Return the residuals with initial states settled in every window.
+def posed_over(
+    fitted: FittedModel, recordings: Sequence[BoundRecording], horizon: Horizon
+) -> FitProblem:
+    """Return the problem of other recordings, with the values of a fit."""
+    old, shots = fitted.problem, cut(recordings, horizon)
+    problem = pose(fitted.graph, old.model, shots, fitted.settings, old.sigma)
+    return replace(problem, start=fitted.parameters)
+
+
+def settled_over(
+    problem: FitProblem, fitted: FittedModel
+) -> tuple[Array, Linearisation]:
+    """Return the initial states that suit every window best, and the residuals there.
 
     Where what the first samples suggest runs away, or leaves far more than the fit
     did (a machine begun in motion looks from rest as if dry friction held it), also
@@ -112,7 +121,7 @@ def _settled(problem: FitProblem, fitted: FittedModel) -> Linearisation:
         better = there.cost < np.where(np.isfinite(at.cost), at.cost, np.inf)
         states = np.where(better[:, None], moved, states)
         write_windows(at, problem.shots.edges, np.arange(len(lost)), there, better)
-    return at
+    return states, at
 
 
 def _known(problem: FitProblem, fitted: FittedModel) -> Array:

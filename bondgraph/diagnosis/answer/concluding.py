@@ -38,6 +38,8 @@ def concluded(
     stretches: Comparison | None,
     recordings: Sequence[BoundRecording],
     options: Options,
+    *,
+    left_open: bool,
 ) -> tuple[Verdict, str]:
     """Return the verdict and its sentence.
 
@@ -51,6 +53,9 @@ def concluded(
         Whole simulations of held-out and of training recordings, before and after.
     stretches
         The same of stretches of held-out recordings, where models were fitted to such.
+    left_open
+        Whether what is open of the model's numbers misses held-out recordings by as
+        much.
     """
     base, made, floor = rounds[0].base, accepted(rounds), noise_floor(recordings)
     checked = _checked(base, recordings, made)
@@ -60,7 +65,9 @@ def concluded(
     statement = with_undecided(verdict, statement, rounds[-1], options.rule)
     if not np.isfinite(shown.after.nrmse) and np.isfinite(shown.before.nrmse):
         verdict, statement = not_simulated(verdict, statement)
-    verdict, statement = worse_held_out(verdict, statement, shown, trained, stretches)
+    verdict, statement = worse_held_out(
+        verdict, statement, shown, trained, stretches, left_open=left_open
+    )
     verdict, statement = without_size(verdict, statement, findings)
     verdict, statement = hardly_believed(verdict, statement, findings)
     verdict, statement = cut_short(verdict, statement, rounds)

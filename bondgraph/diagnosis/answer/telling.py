@@ -11,6 +11,7 @@ from bondgraph.diagnosis.answer.concluding import concluded
 from bondgraph.diagnosis.answer.doubt import doubted
 from bondgraph.diagnosis.answer.evidence_shown import all_evidence
 from bondgraph.diagnosis.answer.found import findings_of
+from bondgraph.diagnosis.answer.left_open import is_left_open
 from bondgraph.diagnosis.answer.look_alikes import look_alikes
 from bondgraph.diagnosis.answer.notes import notes_on, provenance
 from bondgraph.diagnosis.answer.one_size import doubted_in_one_size
@@ -77,15 +78,17 @@ def answer(
     proportion = known_in_proportion(final, base)
     told, others = findings_of(rounds, after, held_out, options, left, proportion)
     stretches = _over_stretches(base, final, held_out, shown)
-    carried = carries_over(shown, trained, stretches)
+    left_open = is_left_open(final, held_out, shown, trained)
+    carried = carries_over(shown, trained, stretches, left_open=left_open)
     told = with_images(told, base.graph, after.estimates)
     findings = doubted_at_jumps(doubted(told, left, carried=carried), made)
     findings = doubted_within_rounding(findings, made)
     findings = doubted_in_one_size(findings, rounds)
     wrong = contradicted(graph, after.estimates)
     verdict, statement = concluded(
-        rounds, findings, wrong, left, shown, trained, stretches, recordings, options
-    )
+        rounds, findings, wrong, left, shown, trained, stretches, recordings, options,
+        left_open=left_open,
+    )  # fmt: skip
     everything = (*recordings, *held_out)
     close = left_close(rounds, others, verdict)
     everywhere = None if late else _delivered(graph, final, everything, options)

@@ -121,6 +121,8 @@ def worse_held_out(
     held_out: Comparison,
     trained: Comparison,
     stretches: Comparison | None = None,
+    *,
+    left_open: bool = False,
 ) -> tuple[Verdict, str]:
     """Return the verdict where the improved model predicts what was kept back worse.
 
@@ -135,11 +137,14 @@ def worse_held_out(
         Whole recordings, before and after.
     stretches
         Of the held-out ones, where models were fitted over stretches.
+    left_open
+        Whether what is open of the model's numbers misses held-out recordings by as
+        much.
     """
     before, after = held_out.before.nrmse, held_out.after.nrmse
     told_something = verdict in (Verdict.PHYSICS_MISSING, Verdict.UNEXPLAINED)
     worse = after > SAME * before
-    if not told_something or not (worse or _is_idle(held_out, trained)):
+    if not told_something or not (worse or idle_outputs(held_out, trained)):
         return verdict, statement
     became = f"({100 * before:.3g} % became {100 * after:.3g} %)"
     if stretches is not None and _halves(stretches):
@@ -152,42 +157,56 @@ def worse_held_out(
             f"as long as those it was fitted to {over}; run through as a whole they "
             f"are missed no less than before {became}."
         )
+    carried = carries_over(held_out, trained, stretches, left_open=left_open)
+    if left_open and carried:
+        return verdict, (
+            f"{statement} The held-out recordings are predicted no better {became}, "
+            "and tell nothing of it: what the others leave open of the model's numbers "
+            "moves the prediction by as much. Recordings that go as far would tell."
+        )
     told = (
         f"{statement} But on the held-out recordings the improved model is "
         f"{'worse' if worse else 'no better'} than the base model {became}: what was "
         "found holds where it was found and does not carry over."
     )
-    carried = carries_over(held_out, trained, stretches)
     return (verdict if carried else Verdict.UNEXPLAINED), told
 
 
 def carries_over(
-    held_out: Comparison, trained: Comparison, stretches: Comparison | None = None
+    held_out: Comparison,
+    trained: Comparison,
+    stretches: Comparison | None = None,
+    *,
+    left_open: bool = False,
 ) -> bool:
     """Return whether what was kept back does not speak against what was found.
 
     Parameters
     ----------
-    held_out, trained, stretches
+    held_out, trained, stretches, left_open
         As for `worse_held_out`.
     """
     if stretches is not None and _halves(stretches):
         return True
     spoilt = held_out.after.nrmse > SPOILT * held_out.before.nrmse
-    return not (spoilt or _is_idle(held_out, trained))
+    return not spoilt and (left_open or not idle_outputs(held_out, trained))
 
 
 def _halves(stretches: Comparison) -> bool:
     return stretches.after.nrmse < HALVED * stretches.before.nrmse
 
 
-def _is_idle(held_out: Comparison, trained: Comparison) -> bool:
-    """Return whether an addition explains what it was fitted to, and nothing else."""
+def idle_outputs(held_out: Comparison, trained: Comparison) -> tuple[str, ...]:
+    """Return what an addition leaves as it was of what was kept back, and could mend.
+
+    None where it does not explain what it was fitted to, or mends some of it.
+    """
     if not trained.after.nrmse < HALVED * trained.before.nrmse:
-        return False
+        return ()
     before, after = held_out.before.rmse, held_out.after.rmse
     left = [name for name in before if HALVED * before[name] > trained.after.rmse[name]]
-    return bool(left) and all(after[name] > UNMOVED * before[name] for name in left)
+    idle = all(after[name] > UNMOVED * before[name] for name in left)
+    return tuple(left) if idle else ()
 
 
 def without_size(

@@ -1,0 +1,36 @@
+"""Whether held-out recordings say anything where they are predicted no better.
+
+A recording that goes where no other has gone, a kettle twice as hot, may be missed for
+what was not known of the model's own numbers. That says nothing against what was found.
+"""
+
+from collections.abc import Sequence
+
+from bondgraph.diagnosis.answer.verdict import idle_outputs
+from bondgraph.diagnosis.records import Comparison
+from bondgraph.fitting.certainty.prediction import prediction_std
+from bondgraph.fitting.estimate import FittedModel
+from bondgraph.recordings.binding import BoundRecording
+
+REACH = 2.0
+"""Standard deviations of a prediction, within which an error is to be expected."""
+
+
+def is_left_open(
+    final: FittedModel,
+    held_out: Sequence[BoundRecording],
+    shown: Comparison,
+    trained: Comparison,
+) -> bool:
+    """Return whether open numbers alone may miss held-out recordings by as much.
+
+    Parameters
+    ----------
+    shown, trained
+        Whole held-out and training recordings, before and after.
+    """
+    idle = idle_outputs(shown, trained)
+    if not idle:
+        return False
+    std, missed = prediction_std(final, held_out), shown.after.rmse
+    return all(missed[name] <= REACH * std[name] for name in idle)
