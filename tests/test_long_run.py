@@ -1,11 +1,13 @@
 """What only windows of recordings excuse is not told as nothing missing."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import sympy
 
 from bondgraph import BondGraph, C, I, R, Recording, Se, Sf, Windows, bind_to, q
-from bondgraph.diagnosis.answer.long_run import off_in_the_long_run
+from bondgraph.diagnosis.answer.long_run import lost_over_whole, off_in_the_long_run
 from bondgraph.diagnosis.evidence.leftover import noise_floor
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.simulation.solvers import Hold
@@ -80,3 +82,9 @@ def test_what_integrates_twice_says_nothing_in_the_long_run():
     run = bind_to(cart, Recording.from_arrays("cart", 1e-2 * np.arange(1000), channels))
     base = fit_model(cart, [run], FitSettings(horizon=Windows(50)))
     assert off_in_the_long_run(base, [run], noise_floor([run])) is None
+    missed = SimpleNamespace(after=SimpleNamespace(nrmse=30.0))
+    (note,) = lost_over_whole(base, [run], missed)
+    assert "say nothing" in note
+    assert "windows of 0.49 s" in note
+    followed = SimpleNamespace(after=SimpleNamespace(nrmse=0.3))
+    assert lost_over_whole(base, [run], followed) == ()

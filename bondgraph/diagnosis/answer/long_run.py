@@ -15,10 +15,14 @@ from bondgraph.diagnosis.evidence.leftover import (
     residual_over_spread,
     too_large,
 )
+from bondgraph.diagnosis.records import Comparison
 from bondgraph.fitting.automatic import grows
 from bondgraph.fitting.estimate import FittedModel, fit_model
 from bondgraph.fitting.horizon import WholeRecordings, Windows
 from bondgraph.recordings.binding import BoundRecording
+
+LOST = 1.0
+"""A model that misses as much as there is to be seen is lost."""
 
 
 def off_in_the_long_run(
@@ -30,12 +34,10 @@ def off_in_the_long_run(
 
     A plant on which the least disturbance goes on growing says nothing in the long run.
     """
-    if not isinstance(base.horizon, Windows):
+    if not isinstance(base.horizon, Windows) or _grows(base, recordings):
         return None
     settings = replace(base.settings, horizon=WholeRecordings())
     graph = base.graph.with_parameters(base.values)
-    if grows(graph, base.problem.model, recordings, settings):
-        return None
     whole = fit_model(graph, recordings, settings)
     worst = too_large(whole, floor, SLOWLY)
     if worst is None:
@@ -48,6 +50,33 @@ def off_in_the_long_run(
         f"{ratio[worst]:.1f} times its noise: a slow disturbance that was not "
         "recorded, or slow physics that no law tried here describes."
     )
+
+
+def lost_over_whole(
+    final: FittedModel, recordings: Sequence[BoundRecording], trained: Comparison
+) -> tuple[str, ...]:
+    """Return a note on an unstable plant, of which whole recordings tell nothing.
+
+    Parameters
+    ----------
+    trained
+        Whole training recordings, before and after.
+    """
+    windowed = isinstance(final.horizon, Windows)
+    if not windowed or trained.after.nrmse < LOST or not _grows(final, recordings):
+        return ()
+    return (
+        "The least disturbance of this machine goes on growing: without its controller "
+        "no whole recording can be simulated, and the errors over whole recordings "
+        f"say nothing. It is judged over windows of {_seconds(final):.3g} s, each from "
+        "a state of its own.",
+    )
+
+
+def _grows(fitted: FittedModel, recordings: Sequence[BoundRecording]) -> bool:
+    settings = replace(fitted.settings, horizon=WholeRecordings())
+    graph = fitted.graph.with_parameters(fitted.values)
+    return grows(graph, fitted.problem.model, recordings, settings)
 
 
 def _seconds(base: FittedModel) -> float:

@@ -12,6 +12,7 @@ from bondgraph.diagnosis.answer.doubt import doubted
 from bondgraph.diagnosis.answer.evidence_shown import all_evidence
 from bondgraph.diagnosis.answer.found import findings_of
 from bondgraph.diagnosis.answer.left_open import is_left_open
+from bondgraph.diagnosis.answer.long_run import lost_over_whole
 from bondgraph.diagnosis.answer.look_alikes import look_alikes
 from bondgraph.diagnosis.answer.notes import notes_on, provenance
 from bondgraph.diagnosis.answer.one_size import doubted_in_one_size
@@ -118,6 +119,7 @@ def answer(
         traces=traces(base, final, held_out),
         recovered=tuple(law for law in laws if law is not None),
         notes=(
+            *lost_over_whole(final, recordings, trained),
             *at_bounds(graph, after.estimates),
             *undesigned,
             *look_alikes(findings, base, recordings),
