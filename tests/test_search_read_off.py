@@ -9,7 +9,8 @@ import sympy
 from bondgraph import BondGraph, I, R, Se
 from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.search.laws import read_off
-from bondgraph.diagnosis.search.laws.read_off import curve_that_leads, laid_along
+from bondgraph.diagnosis.search.laws.laid_along import laid_along
+from bondgraph.diagnosis.search.laws.read_off import curve_that_leads
 from bondgraph.numeric.along import along
 from bondgraph.physics.actuation import Saturation
 from bondgraph.physics.drag import QuadraticDrag

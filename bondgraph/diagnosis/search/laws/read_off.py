@@ -6,35 +6,25 @@ curve leads, every law of the same one variable at its place is laid along it, a
 that come near are fitted from there.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from operator import attrgetter
 
 import numpy as np
-import sympy
-from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate, is_named
 from bondgraph.diagnosis.drawn_laws import curve_of, law_curve
+from bondgraph.diagnosis.search.laws.laid_along import Line, laid_along
 from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, fit_fully
 from bondgraph.diagnosis.search.trials.vanished import has_vanished
-from bondgraph.numeric.along import along
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.structure.edits import InsertElement, WrapInput
-from bondgraph.structure.signals import parameter_symbol
-
-Array = NDArray[np.float64]
-Line = tuple[Array, Array]
 
 FAR = 1.25
 """A curve leads where all laws with a name leave so many times what it does."""
 
 MOST = 3
 """Laws that are fitted."""
-
-NEAR = 0.3
-"""Of what a straight line leaves of a curve, a law that leaves more is not near."""
 
 POINTS = 60
 """Of the line that laws are laid along."""
@@ -103,71 +93,3 @@ def _line(curve: Candidate) -> Line | None:
         return None
     at = np.linspace(0, len(x) - 1, POINTS).astype(np.int64)
     return x[at], y[at]
-
-
-def laid_along(
-    law: Hypothesis, curve: Hypothesis, line: Line
-) -> tuple[float, Mapping[str, float]] | None:
-    """Return what a law leaves of the line, and its values there; None where much.
-
-    A part in proportion counts as none: the model's own numbers take it.
-    """
-    whole = _function(law, curve)
-    if whole is None:
-        return None
-    expression, argument = whole
-    x, y = line
-    straight = y - x * float(x @ y) / max(float(x @ x), 1e-300)
-    size = float(np.linalg.norm(straight)) or 1.0
-    values = along(
-        expression, argument, x, [parameter_symbol(n) for n in law.parameters]
-    )
-
-    def residual(theta: Array) -> Array:
-        off: Array = (values(theta[:-1])[0] + theta[-1] * x - y) / size
-        return off
-
-    def slopes(theta: Array) -> Array:
-        return np.column_stack([values(theta[:-1])[1], x]) / size
-
-    best: tuple[float, Mapping[str, float]] | None = None
-    for start, low, high in _starts(law):
-        found = least_squares(
-            residual, start, slopes, (low, high), x_scale="jac", max_nfev=50
-        )
-        cost = 2.0 * float(found.cost)
-        if np.isfinite(cost) and cost <= NEAR and (best is None or cost < best[0]):
-            best = cost, dict(zip(law.parameters, map(float, found.x), strict=False))
-    return best
-
-
-def _function(
-    law: Hypothesis, curve: Hypothesis
-) -> tuple[sympy.Expr, sympy.Symbol] | None:
-    """Return a law of the curve's variable alone, and that; None of any other."""
-    edit = law.edit
-    if isinstance(edit, WrapInput) and not edit.states:
-        whole = edit.value
-    elif isinstance(edit, InsertElement) and law.factor == 1:
-        whole = law.law
-    else:
-        return None
-    exact = {
-        parameter_symbol(p.name): p.value
-        for p in edit.parameters
-        if p.exact and p.value is not None
-    }
-    fitted = {parameter_symbol(name) for name in law.parameters}
-    whole = whole.xreplace(exact)
-    others = whole.free_symbols - fitted
-    same = type(edit) is type(curve.edit) and law.depends_on == curve.depends_on
-    return (whole, *others) if same and len(others) == 1 else None
-
-
-def _starts(law: Hypothesis) -> Iterator[tuple[Array, Array, Array]]:
-    """Yield where to begin, with the bounds; a part in proportion comes last."""
-    bounds = {p.name: p.bounds for p in law.edit.parameters}
-    low, high = np.array([*(bounds[n] for n in law.parameters), (-np.inf, np.inf)]).T
-    for start in law.starts:
-        begin = np.array([*(start[n] for n in law.parameters), 0.0])
-        yield np.clip(begin, low, high), low, high
