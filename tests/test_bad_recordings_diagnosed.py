@@ -27,18 +27,8 @@ STEP, COUNT = 0.02, 300
 MASS, VISCOUS, COMPLIANCE = 1.3, 2.0, 1 / 9.0
 NOISE = np.array([5e-4, 2e-3])
 
-SLOW = {
-    "unknown_relation",
-    "cogging",
-    "compliance",
-    "hysteresis",
-    "backlash",
-    "end_stop",
-}
-WITH_NAMES = tuple(p for p in LIBRARY if p.word not in SLOW)
-"""Curves take long to draw, and what remembers or repeats takes long to fit: where two
-readings were swapped they are tried as well.
-"""
+WITH_NAMES = tuple(p for p in LIBRARY if p.word != "unknown_relation")
+"""Curves take long to draw: where two readings were swapped they are tried as well."""
 
 Array = np.ndarray
 Spoil = Callable[[Array], Array]
