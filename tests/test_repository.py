@@ -50,6 +50,22 @@ def test_every_page_that_is_linked_exists():
             assert (page.parent / link).exists(), f"{page.name}: {link}"
 
 
+def test_the_totals_of_the_final_sets_are_their_sums_and_the_readme_s():
+    proof = (ROOT / "docs" / "proof.md").read_text(encoding="utf-8")
+    table = re.search(r"^\| set \| cases .*?(?=\n\n)", proof, flags=re.M | re.S)
+    _, _, *rows = (line.split("|")[2:6] for line in table.group().splitlines())
+    *sets, total, _ = [[re.findall(r"\d+", cell) for cell in row] for row in rows]
+    sums = [
+        [sum(map(int, numbers)) for numbers in zip(*column, strict=True)]
+        for column in zip(*sets, strict=True)
+    ]
+    said = [
+        list(map(int, cell[: len(own)])) for cell, own in zip(total, sums, strict=True)
+    ]
+    assert said == sums
+    assert f"[measured on {sums[0][0]} cases](docs/proof.md)" in README
+
+
 def test_the_picture_shows_the_drive_as_it_is():
     picture = ET.fromstring((ROOT / "docs" / "lowerleg_drive.svg").read_text("utf-8"))
     said = "".join(picture.itertext())

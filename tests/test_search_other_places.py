@@ -8,7 +8,8 @@ import pytest
 from bondgraph import TF, BondGraph, R, Recording, Sf, bind_to
 from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.probing import measure_scales
-from bondgraph.diagnosis.search.laws import other_places
+from bondgraph.diagnosis.search.laws import beside_the_lead
+from bondgraph.diagnosis.search.laws.beside_the_lead import with_fitted
 from bondgraph.diagnosis.search.laws.other_places import at_other_places
 from bondgraph.diagnosis.search.revising.removal import fitted_with
 from bondgraph.fitting.estimate import FitSettings, fit_model
@@ -44,48 +45,55 @@ def proposed(place, unit="N", words="pulls at {}", physics="gravity"):
     )  # fmt: skip
 
 
-@pytest.fixture
-def tried(monkeypatch):
-    """Return a function that says where the leading law was tried, and what stays."""
-    monkeypatch.setattr(other_places, "has_vanished", lambda _: False)
-
-    def tried(candidates, hypotheses, cost=0.1):
-        asked = []
-
-        def run(work, trials, what):
-            asked.extend((t.hypothesis.place, t.starts[0].values) for t in trials)
-            return [None] * len(trials)
-
-        def fitted(trials, results):
-            return [law(trial.hypothesis.place, cost) for trial in trials]
-
-        bench = SimpleNamespace(base=None, run=run, candidates=fitted)
-        found = other_places.at_other_places(bench, candidates, hypotheses, keep=0.75)
-        return asked, [one.hypothesis.place for one in found]
-
-    return tried
+def tried(candidates, hypotheses):
+    """Return where the leading law is to be tried, and with which values."""
+    trials = at_other_places(None, candidates, hypotheses)
+    return [(trial.hypothesis.place, trial.starts[0].values) for trial in trials]
 
 
-def test_it_begins_with_the_numbers_it_has_ended_with(tried):
-    asked, places = tried([law("dish", 0.05)], [proposed("vane")])
-    ((place, values),) = asked
+def test_it_begins_with_the_numbers_it_has_ended_with():
+    ((place, values),) = tried([law("dish", 0.05)], [proposed("vane")])
     assert place == "vane"
     assert values == {"mass": 3.0, "gravity_dish": 7.0, "gravity_vane": 7.0}
-    assert places == ["dish", "vane"]
 
 
-def test_what_does_far_less_there_is_not_kept(tried):
-    _, places = tried([law("dish", 0.05)], [proposed("vane")], cost=0.4)
-    assert places == ["dish"]
-
-
-def test_only_the_same_form_in_the_same_unit_is_tried(tried):
+def test_only_the_same_form_in_the_same_unit_is_tried():
     others = [
         proposed("mast", unit="Pa"),
         proposed("mast", words="pushes at {}"),
         proposed("mast", physics="spring"),
     ]
-    assert tried([law("dish", 0.05)], others) == ([], ["dish"])
+    assert tried([law("dish", 0.05)], others) == []
+
+
+@pytest.mark.parametrize(
+    ("cost", "vanished", "kept"),
+    [(0.1, False, True), (0.4, False, False), (0.1, True, False)],
+)
+def test_what_does_far_less_or_has_vanished_is_not_kept(
+    monkeypatch, cost, vanished, kept
+):
+    monkeypatch.setattr(beside_the_lead, "has_vanished", lambda _: vanished)
+    leading, there = law("dish", 0.05), law("vane", cost)
+    bench = SimpleNamespace(
+        base=None, run=lambda *_: [None], candidates=lambda *_: [there]
+    )
+    found = with_fitted(bench, [leading], ["a trial"], "the same elsewhere", keep=0.75)
+    assert found == [leading, *([there] if kept else [])]
+    assert with_fitted(None, [leading], [], "nothing", keep=0.75) == [leading]
+
+
+def test_of_a_law_that_was_kept_the_better_fit_is(monkeypatch):
+    monkeypatch.setattr(beside_the_lead, "has_vanished", lambda _: False)
+    leading, known = law("dish", 0.05), law("vane", 0.2)
+    for cost, better in ((0.1, True), (0.22, False)):
+        again = law("vane", cost)
+        again.hypothesis = known.hypothesis
+        bench = SimpleNamespace(
+            base=None, run=lambda *_: [None], candidates=lambda *_, one=again: [one]
+        )
+        found = with_fitted(bench, [leading, known], ["a trial"], "again", keep=0.75)
+        assert found == [leading, again if better else known]
 
 
 def geared():
@@ -121,15 +129,7 @@ def curve_at_motor(base):
 
 def test_a_curve_that_leads_takes_its_line_along(base):
     curve = curve_at_motor(base)
-    asked = []
-
-    def run(work, trials, what):
-        asked.extend(trials)
-        return [{"refused": "asked only"}] * len(trials)
-
-    bench = SimpleNamespace(base=base, run=run, candidates=lambda *_: [])
-    assert at_other_places(bench, [curve], [], keep=0.75) == [curve]
-    (trial,) = asked
+    (trial,) = at_other_places(base, [curve], [])
     assert trial.hypothesis.place == "load"
     # Where the speed is a fifth, the torque is five times as large.
     heights = [trial.starts[0].values[name] for name in trial.hypothesis.strengths]
@@ -143,10 +143,8 @@ def test_a_curve_that_a_named_law_comes_near_is_tried_nowhere_else(base):
         hypothesis=SimpleNamespace(physics="gravity", is_slip=False),
         cost=1.1 * curve.cost,
     )
-    bench = SimpleNamespace(base=base)
-    found = at_other_places(bench, [curve, named], [], keep=0.75)
-    assert found == [curve, named]
+    assert at_other_places(base, [curve, named], []) == []
 
 
-def test_where_nothing_was_fitted_nothing_is_tried(tried):
-    assert tried([], [proposed("vane")]) == ([], [])
+def test_where_nothing_was_fitted_nothing_is_tried():
+    assert tried([], [proposed("vane")]) == []

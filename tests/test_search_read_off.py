@@ -99,34 +99,14 @@ def test_a_curve_leads_where_no_law_with_a_name_comes_near():
 
 def test_the_nearest_laws_are_fitted_from_there(monkeypatch):
     curve = next(law for law in at_cart(UnknownRelation()) if law.visited)
-    base = SimpleNamespace()
     there = SimpleNamespace(
-        hypothesis=curve, cost=1.0, fitted=SimpleNamespace(values={"mass": 2.2}),
-        reduction=lambda _: 0.99,
-    )  # fmt: skip
-    line = X, 3.0 * np.sign(X)
-    monkeypatch.setattr(read_off, "law_curve", lambda *_: line)
-    monkeypatch.setattr(read_off, "has_vanished", lambda _: False)
-    asked = []
-
-    def run(work, trials, what):
-        asked.extend(trials)
-        return [None] * len(trials)
-
-    def candidates(trials, results):
-        return [
-            SimpleNamespace(
-                hypothesis=t.hypothesis, cost=1.01, reduction=lambda _: 0.98
-            )
-            for t in trials
-        ]
-
-    bench = SimpleNamespace(base=base, run=run, candidates=candidates)
+        hypothesis=curve, cost=1.0, fitted=SimpleNamespace(values={"mass": 2.2})
+    )
+    monkeypatch.setattr(read_off, "law_curve", lambda *_: (X, 3.0 * np.sign(X)))
     proposed = at_cart(QuadraticDrag(), CoulombFriction())
-    found = read_off.read_off(bench, [there], proposed, keep=0.75)
-    (trial,) = asked
+    (trial,) = read_off.read_off([there], proposed)
     assert trial.hypothesis.physics == "coulomb_friction"
     values = trial.starts[0].values
     assert values["mass"] == 2.2
     assert values[trial.hypothesis.parameters[0]] == pytest.approx(3.0, rel=0.1)
-    assert [one.hypothesis.physics for one in found] == [CURVE, "coulomb_friction"]
+    assert read_off.read_off([there, fitted("drag", 1.1)], proposed) == []

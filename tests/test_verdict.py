@@ -10,15 +10,14 @@ from judged_candidates import judged
 
 from bondgraph.diagnosis.adequacy.records import Adequacy, AdequacyStatus
 from bondgraph.diagnosis.answer import left_open
+from bondgraph.diagnosis.answer.carrying import Shown, worse_held_out
 from bondgraph.diagnosis.answer.doubt import doubted
 from bondgraph.diagnosis.answer.notes import notes_on
 from bondgraph.diagnosis.answer.telling import left_of_whole
 from bondgraph.diagnosis.answer.verdict import (
-    carries_over,
     hardly_believed,
     verdict_of,
     without_size,
-    worse_held_out,
 )
 from bondgraph.diagnosis.answer.wording import next_experiment
 from bondgraph.diagnosis.candidates import CURVE, Rejected
@@ -223,11 +222,8 @@ def test_what_noise_leaves_of_a_recording_is_not_left_of_a_weak_effect(after, le
     ],
 )
 def test_what_makes_held_out_data_worse_is_not_the_cause(after, verdict, told):
-    shown = _errors(0.2, after)
-    trained = _errors(0.2, 0.18)
-    answer, statement = worse_held_out(
-        Verdict.PHYSICS_MISSING, "Friction.", shown, trained
-    )
+    shown = Shown(_errors(0.2, after), trained=_errors(0.2, 0.18))
+    answer, statement = worse_held_out(Verdict.PHYSICS_MISSING, "Friction.", shown)
     assert answer is verdict
     assert ("does not carry over" in statement) == told
 
@@ -245,54 +241,53 @@ def test_what_mends_only_what_it_was_fitted_to_is_not_the_cause(
     held_out, trained, idle
 ):
     # Held-out data that have no more than noise to explain say nothing against it.
-    answer, statement = worse_held_out(
-        Verdict.PHYSICS_MISSING, "A store.", held_out, trained
-    )
+    shown = Shown(held_out, trained)
+    answer, statement = worse_held_out(Verdict.PHYSICS_MISSING, "A store.", shown)
     assert (answer is Verdict.UNEXPLAINED) == idle
     assert ("no better" in statement) == idle
-    assert carries_over(held_out, trained) == (not idle)
+    assert shown.carries_over == (not idle)
     # Over stretches it helps: a drive that turns freely is off in the long run.
-    assert carries_over(held_out, trained, _errors(0.05, 0.004))
+    assert replace(shown, stretches=_errors(0.05, 0.004)).carries_over
 
 
 @pytest.mark.parametrize(("std", "speaks"), [(0.2, False), (0.1, True), (np.nan, True)])
 def test_held_out_data_that_open_numbers_miss_as_far_say_nothing(
     monkeypatch, std, speaks
 ):
-    shown, trained = _errors(0.30, 0.299), _errors(0.1, 0.01)
-    name = next(iter(shown.after.rmse))
-    monkeypatch.setattr(left_open, "prediction_std", lambda *_: {name: std})
+    shown = Shown(_errors(0.30, 0.299), trained=_errors(0.1, 0.01))
+    monkeypatch.setattr(left_open, "prediction_std", lambda *_: {"x": std})
     # What mends held-out data is asked no more.
-    assert not left_open.is_left_open(None, [], _errors(0.30, 0.20), trained)
-    open_there = left_open.is_left_open(None, [], shown, trained)
+    mended = replace(shown, held_out=_errors(0.30, 0.20))
+    assert not left_open.is_left_open(None, [], mended)
+    open_there = left_open.is_left_open(None, [], shown)
     assert open_there == (not speaks)
-    answer, statement = worse_held_out(
-        Verdict.PHYSICS_MISSING, "A lag.", shown, trained, left_open=open_there
-    )
+    shown = replace(shown, left_open=open_there)
+    answer, statement = worse_held_out(Verdict.PHYSICS_MISSING, "A lag.", shown)
     assert (answer is Verdict.UNEXPLAINED) == speaks
     assert ("tell nothing of it" in statement) == (not speaks)
-    assert carries_over(shown, trained, left_open=open_there) == (not speaks)
+    assert shown.carries_over == (not speaks)
     # What spoils them is not the cause, whatever is open.
-    assert not carries_over(_errors(0.3, 0.5), trained, left_open=True)
+    spoilt = replace(shown, held_out=_errors(0.3, 0.5), left_open=True)
+    assert not spoilt.carries_over
 
 
 def test_what_carries_over_in_stretches_is_not_held_to_whole_recordings():
     # One slip that is missed, and a drive that turns freely is off for good.
-    shown, trained = _errors(0.85, 0.846), _errors(0.33, 0.006)
-    found = Verdict.PHYSICS_MISSING, "Friction.", shown, trained
-    answer, statement = worse_held_out(*found, _errors(0.05, 0.004))
+    shown = Shown(_errors(0.85, 0.846), _errors(0.33, 0.006), _errors(0.05, 0.004))
+    found = Verdict.PHYSICS_MISSING, "Friction."
+    answer, statement = worse_held_out(*found, shown)
     assert answer is Verdict.PHYSICS_MISSING
     assert "over stretches" in statement
     assert "(5 % became 0.4 %)" in statement
-    answer, statement = worse_held_out(*found, _errors(0.05, 0.049))
+    shown = replace(shown, stretches=_errors(0.05, 0.049))
+    answer, statement = worse_held_out(*found, shown)
     assert answer is Verdict.UNEXPLAINED
 
 
 def test_a_curve_that_makes_held_out_data_worse_says_so_too():
     # It is no cause anyway, but its place would be believed.
-    shown = _errors(0.2, 0.22)
-    trained = _errors(0.2, 0.18)
-    answer, statement = worse_held_out(Verdict.UNEXPLAINED, "A curve.", shown, trained)
+    shown = Shown(_errors(0.2, 0.22), trained=_errors(0.2, 0.18))
+    answer, statement = worse_held_out(Verdict.UNEXPLAINED, "A curve.", shown)
     assert answer is Verdict.UNEXPLAINED
     assert "does not carry over" in statement
 

@@ -1,6 +1,6 @@
 """Candidates: every hypothesis of the library at every place, and what became of it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,6 +47,16 @@ class Candidate:
     def reduction(self, base: FittedModel) -> float:
         """Return the relative reduction of the training error against `base`."""
         return 1.0 - self.cost / base.optimum.cost
+
+
+def best_of_each(candidates: Iterable[Candidate]) -> list[Candidate]:
+    """Return the candidate that leaves least of every hypothesis, in their order."""
+    best: dict[int, Candidate] = {}
+    for one in candidates:
+        known = best.setdefault(id(one.hypothesis), one)
+        if one.cost < known.cost:
+            best[id(one.hypothesis)] = one
+    return list(best.values())
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,6 +34,9 @@ GROWING = 1.5
 DOUBLED = 16.0
 """An effect that grows by more than this over twice the time grows exponentially."""
 
+STAYS = 0.5
+"""An effect that keeps this share of the largest it has had to the end has stayed."""
+
 
 def choose_horizon(
     graph: FinishedGraph,
@@ -141,7 +144,8 @@ def grows(
     half = reached[SHORTEST : len(size) // 2]
     whole = reached[2 * SHORTEST :][: 2 * len(half) : 2]
     exploded = (whole > DOUBLED * half) & (half > 0.0)
-    return bool((exploded.any(axis=0) & (late.max(axis=0) > 0.5 * reached[-1])).any())
+    stays = late.max(axis=0) > STAYS * reached[-1]
+    return bool((exploded.any(axis=0) & stays).any())
 
 
 def remembered(

@@ -9,6 +9,7 @@ import numpy as np
 
 from bondgraph.diagnosis.adequacy.adequacy import adequacy
 from bondgraph.diagnosis.adequacy.records import Adequacy
+from bondgraph.diagnosis.answer.carrying import Shown, worse_held_out
 from bondgraph.diagnosis.answer.long_run import off_in_the_long_run
 from bondgraph.diagnosis.answer.verdict import (
     cut_short,
@@ -18,10 +19,9 @@ from bondgraph.diagnosis.answer.verdict import (
     with_undecided,
     with_values,
     without_size,
-    worse_held_out,
 )
 from bondgraph.diagnosis.evidence.leftover import noise_floor
-from bondgraph.diagnosis.records import Comparison, Finding, Verdict
+from bondgraph.diagnosis.records import Finding, Verdict
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.round_found import Round, accepted
 from bondgraph.fitting.estimate import FittedModel
@@ -33,13 +33,9 @@ def concluded(
     findings: Sequence[Finding],
     wrong: Sequence[Finding],
     left: float,
-    shown: Comparison,
-    trained: Comparison,
-    stretches: Comparison | None,
+    shown: Shown,
     recordings: Sequence[BoundRecording],
     options: Options,
-    *,
-    left_open: bool,
 ) -> tuple[Verdict, str]:
     """Return the verdict and its sentence.
 
@@ -49,13 +45,6 @@ def concluded(
         Laws that were found, and stated values that the fit has left.
     left
         The share of the error that the findings leave beyond noise.
-    shown, trained
-        Whole simulations of held-out and of training recordings, before and after.
-    stretches
-        The same of stretches of held-out recordings, where models were fitted to such.
-    left_open
-        Whether what is open of the model's numbers misses held-out recordings by as
-        much.
     """
     base, made, floor = rounds[0].base, accepted(rounds), noise_floor(recordings)
     checked = _checked(base, recordings, made)
@@ -63,11 +52,10 @@ def concluded(
         findings, base, floor, rounds[0], left, checked, options.rule
     )
     statement = with_undecided(verdict, statement, rounds[-1], options.rule)
-    if not np.isfinite(shown.after.nrmse) and np.isfinite(shown.before.nrmse):
+    before, after = shown.held_out.before.nrmse, shown.held_out.after.nrmse
+    if np.isfinite(before) and not np.isfinite(after):
         verdict, statement = not_simulated(verdict, statement)
-    verdict, statement = worse_held_out(
-        verdict, statement, shown, trained, stretches, left_open=left_open
-    )
+    verdict, statement = worse_held_out(verdict, statement, shown)
     verdict, statement = without_size(verdict, statement, findings)
     verdict, statement = hardly_believed(verdict, statement, findings)
     verdict, statement = cut_short(verdict, statement, rounds)

@@ -6,8 +6,7 @@ what was not known of the model's own numbers. That says nothing against what wa
 
 from collections.abc import Sequence
 
-from bondgraph.diagnosis.answer.verdict import idle_outputs
-from bondgraph.diagnosis.records import Comparison
+from bondgraph.diagnosis.answer.carrying import Shown
 from bondgraph.fitting.certainty.prediction import prediction_std
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.recordings.binding import BoundRecording
@@ -17,20 +16,10 @@ REACH = 2.0
 
 
 def is_left_open(
-    final: FittedModel,
-    held_out: Sequence[BoundRecording],
-    shown: Comparison,
-    trained: Comparison,
+    final: FittedModel, held_out: Sequence[BoundRecording], shown: Shown
 ) -> bool:
-    """Return whether open numbers alone may miss held-out recordings by as much.
-
-    Parameters
-    ----------
-    shown, trained
-        Whole held-out and training recordings, before and after.
-    """
-    idle = idle_outputs(shown, trained)
-    if not idle:
+    """Return whether open numbers alone may miss held-out recordings by as much."""
+    if not shown.idle:
         return False
-    std, missed = prediction_std(final, held_out), shown.after.rmse
-    return all(missed[name] <= REACH * std[name] for name in idle)
+    std, missed = prediction_std(final, held_out), shown.held_out.after.rmse
+    return all(missed[name] <= REACH * std[name] for name in shown.idle)

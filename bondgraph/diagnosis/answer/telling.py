@@ -3,15 +3,13 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from bondgraph.diagnosis.answer.at_jumps import doubted_at_jumps
 from bondgraph.diagnosis.answer.changed_over import with_images
+from bondgraph.diagnosis.answer.comparing import compared, over_long
 from bondgraph.diagnosis.answer.concluding import concluded
 from bondgraph.diagnosis.answer.doubt import doubted
 from bondgraph.diagnosis.answer.evidence_shown import all_evidence
 from bondgraph.diagnosis.answer.found import findings_of
-from bondgraph.diagnosis.answer.left_open import is_left_open
 from bondgraph.diagnosis.answer.long_run import lost_over_whole
 from bondgraph.diagnosis.answer.look_alikes import look_alikes
 from bondgraph.diagnosis.answer.notes import notes_on, provenance
@@ -21,7 +19,6 @@ from bondgraph.diagnosis.answer.separating import designed, left_close
 from bondgraph.diagnosis.answer.showing import recovered_law, traces
 from bondgraph.diagnosis.answer.stated import at_bounds, contradicted
 from bondgraph.diagnosis.answer.untried import untried
-from bondgraph.diagnosis.answer.verdict import carries_over
 from bondgraph.diagnosis.answer.wording import next_experiment
 from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.evidence.judged import Judged
@@ -29,13 +26,11 @@ from bondgraph.diagnosis.evidence.leftover import foretold, noise_floor
 from bondgraph.diagnosis.evidence.proportion import known_in_proportion
 from bondgraph.diagnosis.records import Comparison, Diagnosis
 from bondgraph.diagnosis.search.base.horizons import refitted
-from bondgraph.diagnosis.search.base.stretches import stretch
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.remaining import remaining
 from bondgraph.diagnosis.search.round_found import Round, accepted
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.fine_steps import told_finely
-from bondgraph.fitting.long_runs import simulate_stretches, simulate_whole
 from bondgraph.fitting.result import FitResult, FitStatus
 from bondgraph.fitting.told import report
 from bondgraph.recordings.binding import BoundRecording
@@ -51,9 +46,6 @@ NOT_TOGETHER = (
     "The model could not be fitted to all recordings together; it is handed on as "
     "fitted to those that train."
 )
-
-BETTER = 0.9
-"""Whole recordings below this share of the error are clearly better simulated."""
 
 
 def answer(
@@ -71,25 +63,21 @@ def answer(
     late, made = any(one.cut_short for one in rounds), accepted(rounds)
     base, final = rounds[0].base, final if late or made else told_finely(final)
     before, after = report(base, graph, recordings), report(final, graph, recordings)
-    trained = _comparison(base, final, recordings)
-    shown = _comparison(base, final, held_out)
+    shown = compared(base, final, recordings, held_out)
     floor = foretold(final, noise_floor(recordings))
-    long = _over_long(base, final, recordings, trained)
+    long = over_long(base, final, recordings, shown.trained)
     left = max(remaining(rounds, floor), left_of_whole(long, floor))
     proportion = known_in_proportion(final, base)
     told, others = findings_of(rounds, after, held_out, options, left, proportion)
-    stretches = _over_stretches(base, final, held_out, shown)
-    left_open = is_left_open(final, held_out, shown, trained)
-    carried = carries_over(shown, trained, stretches, left_open=left_open)
     told = with_images(told, base.graph, after.estimates)
-    findings = doubted_at_jumps(doubted(told, left, carried=carried), made)
+    told = doubted(told, left, carried=shown.carries_over)
+    findings = doubted_at_jumps(told, made)
     findings = doubted_within_rounding(findings, made)
     findings = doubted_in_one_size(findings, rounds)
     wrong = contradicted(graph, after.estimates)
     verdict, statement = concluded(
-        rounds, findings, wrong, left, shown, trained, stretches, recordings, options,
-        left_open=left_open,
-    )  # fmt: skip
+        rounds, findings, wrong, left, shown, recordings, options
+    )
     everything = (*recordings, *held_out)
     close = left_close(rounds, others, verdict)
     everywhere = None if late else _delivered(graph, final, everything, options)
@@ -105,8 +93,8 @@ def answer(
         verdict=verdict,
         statement=statement,
         findings=(*findings, *wrong),
-        train=trained,
-        held_out=shown,
+        train=shown.trained,
+        held_out=shown.held_out,
         noise_floor=floor,
         false_alarm_probability=options.rule.false_alarm_probability,
         next_experiment=next_experiment(findings, others, base, experiment),
@@ -119,7 +107,7 @@ def answer(
         traces=traces(base, final, held_out),
         recovered=tuple(law for law in laws if law is not None),
         notes=(
-            *lost_over_whole(final, recordings, trained),
+            *lost_over_whole(final, recordings, shown.trained),
             *at_bounds(graph, after.estimates),
             *undesigned,
             *look_alikes(findings, base, recordings),
@@ -179,64 +167,6 @@ def _delivered(
     )
     fitted = report(refitted(final, everything, settings), start, everything)
     return None if fitted.status is FitStatus.SIMULATION_FAILED else fitted
-
-
-def _over_stretches(
-    base: FittedModel,
-    final: FittedModel,
-    held_out: Sequence[BoundRecording],
-    shown: Comparison,
-) -> Comparison | None:
-    """Return the errors over stretches of held-out recordings, where fits were.
-
-    They are as long as the shorter of those that the two models were fitted over. None
-    where whole recordings are clearly better simulated than before.
-    """
-    if shown.after.nrmse < BETTER * shown.before.nrmse:
-        return None
-    shots = (fitted.problem.shots for fitted in (base, final))
-    samples = min(max(np.diff(one.edges)) for one in shots)
-    if not base.problem.model.n_states or samples >= max(map(len, held_out), default=0):
-        return None
-    return _stretched(base, final, held_out, int(samples))
-
-
-def _over_long(
-    base: FittedModel,
-    final: FittedModel,
-    recordings: Sequence[BoundRecording],
-    trained: Comparison,
-) -> Comparison:
-    """Return the errors over training recordings, or over what tells of these.
-
-    A machine that drifts off over a whole recording, whatever it is made of, is
-    compared over stretches of several windows.
-    """
-    if trained.after.nrmse < BETTER * trained.before.nrmse:
-        return trained
-    samples = stretch(base, recordings)
-    return trained if samples is None else _stretched(base, final, recordings, samples)
-
-
-def _stretched(
-    base: FittedModel,
-    final: FittedModel,
-    recordings: Sequence[BoundRecording],
-    samples: int,
-) -> Comparison:
-    before, after = (
-        simulate_stretches(one, recordings, samples).score for one in (base, final)
-    )
-    return Comparison(before=before, after=after)
-
-
-def _comparison(
-    base: FittedModel, final: FittedModel, recordings: Sequence[BoundRecording]
-) -> Comparison:
-    return Comparison(
-        before=simulate_whole(base, recordings).score,
-        after=simulate_whole(final, recordings).score,
-    )
 
 
 def _blame(first: Round) -> dict[str, float]:

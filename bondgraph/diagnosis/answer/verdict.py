@@ -8,8 +8,7 @@ from bondgraph.diagnosis.answer.nothing_found import without_findings
 from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence.judged import Rule
 from bondgraph.diagnosis.evidence.numbers import ERRORS
-from bondgraph.diagnosis.records import Comparison, Finding, Support, Verdict
-from bondgraph.diagnosis.search.base.horizons import SAME
+from bondgraph.diagnosis.records import Finding, Support, Verdict
 from bondgraph.diagnosis.search.remaining import MUCH_REMAINING
 from bondgraph.diagnosis.search.round_found import Round, accepted
 from bondgraph.fitting.estimate import FittedModel
@@ -19,14 +18,6 @@ MOST_REMAINING = 0.5
 
 GUESS = 0.05
 """What is less probable is not told as found."""
-
-HALVED, UNMOVED = 0.5, 0.95
-"""What halves the errors it was fitted to and leaves so much of held-out ones fits."""
-
-SPOILT = 1.2
-"""Where held-out errors grow by more than this factor, what was found is not the cause,
-whatever the training recordings say.
-"""
 
 
 def verdict_of(
@@ -113,100 +104,6 @@ def with_undecided(verdict: Verdict, statement: str, last: Round, rule: Rule) ->
         f"{best.name} at {best.place} would take away {best.gain} of the "
         "error that is left, but not reliably."
     )
-
-
-def worse_held_out(
-    verdict: Verdict,
-    statement: str,
-    held_out: Comparison,
-    trained: Comparison,
-    stretches: Comparison | None = None,
-    *,
-    left_open: bool = False,
-) -> tuple[Verdict, str]:
-    """Return the verdict where the improved model predicts what was kept back worse.
-
-    Or no better, where it halves the error of what it was fitted to, and what was kept
-    back has more than that to explain. A drive that is free to turn and once stands
-    still where it moved is off for the rest of a recording: there shorter stretches
-    say whether what was found carries over.
-
-    Parameters
-    ----------
-    held_out, trained
-        Whole recordings, before and after.
-    stretches
-        Of the held-out ones, where models were fitted over stretches.
-    left_open
-        Whether what is open of the model's numbers misses held-out recordings by as
-        much.
-    """
-    before, after = held_out.before.nrmse, held_out.after.nrmse
-    told_something = verdict in (Verdict.PHYSICS_MISSING, Verdict.UNEXPLAINED)
-    worse = after > SAME * before
-    if not told_something or not (worse or idle_outputs(held_out, trained)):
-        return verdict, statement
-    became = f"({100 * before:.3g} % became {100 * after:.3g} %)"
-    if stretches is not None and _halves(stretches):
-        over = (
-            f"({100 * stretches.before.nrmse:.3g} % became "
-            f"{100 * stretches.after.nrmse:.3g} %)"
-        )
-        return verdict, (
-            f"{statement} It carries over to the held-out recordings over stretches "
-            f"as long as those it was fitted to {over}; run through as a whole they "
-            f"are missed no less than before {became}."
-        )
-    carried = carries_over(held_out, trained, stretches, left_open=left_open)
-    if left_open and carried:
-        return verdict, (
-            f"{statement} The held-out recordings are predicted no better {became}, "
-            "and tell nothing of it: what the others leave open of the model's numbers "
-            "moves the prediction by as much. Recordings that go as far would tell."
-        )
-    told = (
-        f"{statement} But on the held-out recordings the improved model is "
-        f"{'worse' if worse else 'no better'} than the base model {became}: what was "
-        "found holds where it was found and does not carry over."
-    )
-    return (verdict if carried else Verdict.UNEXPLAINED), told
-
-
-def carries_over(
-    held_out: Comparison,
-    trained: Comparison,
-    stretches: Comparison | None = None,
-    *,
-    left_open: bool = False,
-) -> bool:
-    """Return whether what was kept back does not speak against what was found.
-
-    Parameters
-    ----------
-    held_out, trained, stretches, left_open
-        As for `worse_held_out`.
-    """
-    if stretches is not None and _halves(stretches):
-        return True
-    spoilt = held_out.after.nrmse > SPOILT * held_out.before.nrmse
-    return not spoilt and (left_open or not idle_outputs(held_out, trained))
-
-
-def _halves(stretches: Comparison) -> bool:
-    return stretches.after.nrmse < HALVED * stretches.before.nrmse
-
-
-def idle_outputs(held_out: Comparison, trained: Comparison) -> tuple[str, ...]:
-    """Return what an addition leaves as it was of what was kept back, and could mend.
-
-    None where it does not explain what it was fitted to, or mends some of it.
-    """
-    if not trained.after.nrmse < HALVED * trained.before.nrmse:
-        return ()
-    before, after = held_out.before.rmse, held_out.after.rmse
-    left = [name for name in before if HALVED * before[name] > trained.after.rmse[name]]
-    idle = all(after[name] > UNMOVED * before[name] for name in left)
-    return tuple(left) if idle else ()
 
 
 def without_size(

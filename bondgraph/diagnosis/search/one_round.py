@@ -20,6 +20,7 @@ from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.search.base.beyond_noise import explainable, left_beside
 from bondgraph.diagnosis.search.base.runaway import run_away
 from bondgraph.diagnosis.search.considered import Setting, considered, promising
+from bondgraph.diagnosis.search.laws.beside_the_lead import with_fitted
 from bondgraph.diagnosis.search.laws.curve_from_law import with_curve_drawn
 from bondgraph.diagnosis.search.laws.elsewhere import begun_elsewhere
 from bondgraph.diagnosis.search.laws.finer import finest_of
@@ -157,8 +158,10 @@ def _led(
     for _ in range(1 + LED_ASTRAY):
         fitted = fit_best(bench, leading, HOPELESS, setting.options.judged)
         fitted = begun_elsewhere(bench, fitted, setting.noise)
-        fitted = at_other_places(bench, fitted, hypotheses, HOPELESS)
-        fitted = read_off(bench, fitted, hypotheses, HOPELESS)
+        trials = at_other_places(setting.base, fitted, hypotheses)
+        fitted = with_fitted(bench, fitted, trials, "the same elsewhere", HOPELESS)
+        trials = read_off(fitted, hypotheses)
+        fitted = with_fitted(bench, fitted, trials, "laws along the curve", HOPELESS)
         seen = _judged(setting, bench, fitted, hypotheses, tried, seen)
         hollow = {r.hypothesis.told_by for r in seen.rejected if r.reason == FORGETS}
         others = [one for one in leading if one.hypothesis.told_by not in hollow]

@@ -5,6 +5,8 @@ what they cannot take up counts.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -25,18 +27,21 @@ def prediction_std(
     nothing is counted. NaN where a recording cannot be simulated.
     """
     problem = posed_over(fitted, recordings, WholeRecordings())
+    # Slopes as they are, whatever the colour of the noise.
+    problem = replace(problem, correlation=np.zeros(1))
     states, _ = settled_over(problem, fitted)
     theta, count = problem.start[problem.free], len(problem.free)
     covariance = uncertainty(fitted.problem, fitted.optimum).covariance
     squares = np.zeros(len(problem.sigma))
     for part in parts(problem, theta, states):
-        for first, last in zip(part.shots.edges, part.shots.edges[1:], strict=False):
+        if not (part.shot.completed.all() and np.isfinite(part.jacobian).all()):
+            squares[:] = np.nan
+            continue
+        for first, last in pairwise(part.shots.edges):
             slopes = part.jacobian[first:last].reshape(-1, part.jacobian.shape[-1])
             own, began = slopes[:, :count], slopes[:, count:]
             own = own - began @ (np.linalg.pinv(began) @ own)
             squared = np.einsum("ij,jk,ik->i", own, covariance, own)
             squares += squared.reshape(last - first, -1).sum(axis=0)
-        if not part.shot.completed.all():
-            squares[:] = np.nan
     spread = problem.sigma * np.sqrt(squares / problem.measured)
     return dict(zip(problem.model.output_names, map(float, spread), strict=True))

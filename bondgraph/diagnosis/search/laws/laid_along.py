@@ -59,7 +59,10 @@ def laid_along(
         )
         cost = 2.0 * float(found.cost)
         if np.isfinite(cost) and cost <= NEAR and (best is None or cost < best[0]):
-            best = cost, dict(zip(law.parameters, map(float, found.x), strict=False))
+            best = (
+                cost,
+                dict(zip(law.parameters, map(float, found.x[:-1]), strict=True)),
+            )
     return best
 
 

@@ -18,9 +18,7 @@ from bondgraph.diagnosis.probing import measure_scales, probe
 from bondgraph.diagnosis.search.base.runaway import run_away
 from bondgraph.diagnosis.search.laws.curve_from_law import along_line, variable_of
 from bondgraph.diagnosis.search.laws.read_off import curve_that_leads
-from bondgraph.diagnosis.search.trials.bench import Bench
-from bondgraph.diagnosis.search.trials.trying import Start, Trial, fit_fully
-from bondgraph.diagnosis.search.trials.vanished import has_vanished
+from bondgraph.diagnosis.search.trials.trying import Start, Trial
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.places.everywhere import all_places
@@ -39,41 +37,27 @@ but for a moment.
 
 
 def at_other_places(
-    bench: Bench,
+    base: FittedModel,
     candidates: Sequence[Candidate],
     hypotheses: Sequence[Hypothesis],
-    keep: float,
-) -> list[Candidate]:
-    """Return the candidates, and the leading law where it was not kept.
+) -> list[Trial]:
+    """Return the fits of the leading law where it was not kept.
 
     Parameters
     ----------
     hypotheses
         All that was proposed.
-    keep
-        Share of the leading reduction that one must reach to be kept.
     """
     leading = min(candidates, key=attrgetter("cost"), default=None)
     if leading is None:
-        return list(candidates)
+        return []
     if leading.hypothesis.physics != CURVE:
         kept = {id(one.hypothesis) for one in candidates}
         others = [one for one in hypotheses if id(one) not in kept]
-        trials = list(_numbers(leading, others))[:MOST]
-    elif curve_that_leads(candidates) is not None:
-        trials = list(_lines(bench, candidates))[:MOST]
-    else:
-        trials = []
-    if not trials:
-        return list(candidates)
-    results = bench.run(fit_fully, trials, "the same elsewhere")
-    least = keep * leading.reduction(bench.base)
-    found = [
-        one
-        for one in bench.candidates(trials, results)
-        if one.reduction(bench.base) >= least and not has_vanished(one)
-    ]
-    return [*candidates, *found]
+        return list(_numbers(leading, others))[:MOST]
+    if curve_that_leads(candidates) is None:
+        return []
+    return list(_lines(base, candidates))[:MOST]
 
 
 def _numbers(leading: Candidate, others: Sequence[Hypothesis]) -> Iterator[Trial]:
@@ -90,7 +74,7 @@ def _numbers(leading: Candidate, others: Sequence[Hypothesis]) -> Iterator[Trial
             yield Trial(one, (replace(there, values=values),))
 
 
-def _lines(bench: Bench, candidates: Sequence[Candidate]) -> Iterator[Trial]:
+def _lines(base: FittedModel, candidates: Sequence[Candidate]) -> Iterator[Trial]:
     """Yield the fits of the best curve that hangs at a junction, along its line.
 
     Where the motion is n times as large the effort is an n-th: the power is the same.
@@ -103,7 +87,7 @@ def _lines(bench: Bench, candidates: Sequence[Candidate]) -> Iterator[Trial]:
     scales = measure_scales(best.fitted)
     places = {
         place.name: place
-        for place in all_places(bench.base.graph, scales)
+        for place in all_places(base.graph, scales)
         if isinstance(place, JunctionPlace)
     }
     here = places[best.hypothesis.place]

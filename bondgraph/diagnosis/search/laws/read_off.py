@@ -7,16 +7,14 @@ that come near are fitted from there.
 """
 
 from collections.abc import Sequence
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 
 import numpy as np
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate, is_named
 from bondgraph.diagnosis.drawn_laws import curve_of, law_curve
 from bondgraph.diagnosis.search.laws.laid_along import Line, laid_along
-from bondgraph.diagnosis.search.trials.bench import Bench
-from bondgraph.diagnosis.search.trials.trying import Start, Trial, fit_fully
-from bondgraph.diagnosis.search.trials.vanished import has_vanished
+from bondgraph.diagnosis.search.trials.trying import Start, Trial
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.structure.edits import InsertElement, WrapInput
 
@@ -40,24 +38,19 @@ def curve_that_leads(candidates: Sequence[Candidate]) -> Candidate | None:
 
 
 def read_off(
-    bench: Bench,
-    candidates: Sequence[Candidate],
-    hypotheses: Sequence[Hypothesis],
-    keep: float,
-) -> list[Candidate]:
-    """Return the candidates, and laws that draw nearly the line of a curve that leads.
+    candidates: Sequence[Candidate], hypotheses: Sequence[Hypothesis]
+) -> list[Trial]:
+    """Return the fits of laws that draw nearly the line of a curve that leads.
 
     Parameters
     ----------
     hypotheses
         All that was proposed.
-    keep
-        Share of the leading reduction that a law must reach to be kept.
     """
     curve = curve_that_leads(candidates)
     line = None if curve is None else _line(curve)
     if curve is None or line is None:
-        return list(candidates)
+        return []
     near: list[tuple[float, Trial]] = []
     for law in hypotheses:
         if law.place == curve.hypothesis.place and is_named(law):
@@ -65,16 +58,7 @@ def read_off(
             if found is not None:
                 values = {**curve.fitted.values, **found[1]}
                 near.append((found[0], Trial(law, (Start(values),))))
-    trials = [trial for _, trial in sorted(near, key=lambda one: one[0])[:MOST]]
-    results = bench.run(fit_fully, trials, "laws along the curve") if trials else []
-    least = keep * curve.reduction(bench.base)
-    best = {id(one.hypothesis): one for one in candidates}
-    for one in bench.candidates(trials, results):
-        known = best.get(id(one.hypothesis))
-        better = known is None or one.cost < known.cost
-        if better and one.reduction(bench.base) >= least and not has_vanished(one):
-            best[id(one.hypothesis)] = one
-    return list(best.values())
+    return [trial for _, trial in sorted(near, key=itemgetter(0))[:MOST]]
 
 
 def _line(curve: Candidate) -> Line | None:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from operator import attrgetter
 
-from bondgraph.diagnosis.candidates import CURVE, Candidate
+from bondgraph.diagnosis.candidates import CURVE, Candidate, best_of_each
 from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, fit_fully
 from bondgraph.diagnosis.search.trials.vanished import begun_again
@@ -62,12 +62,7 @@ def related(
     if not trials:
         return candidates
     refitted = bench.candidates(trials, bench.run(fit_fully, trials, "relatives"))
-    best = {id(candidate.hypothesis): candidate for candidate in candidates}
-    for candidate in refitted:
-        known = best.get(id(candidate.hypothesis))
-        if known is None or candidate.cost < known.cost:
-            best[id(candidate.hypothesis)] = candidate
-    return list(best.values())
+    return best_of_each([*candidates, *refitted])
 
 
 def _akin(own: Candidate, other: Candidate) -> bool:
