@@ -259,7 +259,7 @@ def test_what_led_by_new_states_in_every_window_does_not_hide_what_came_behind(
     monkeypatch.setattr(one_round, "fit_best", fitted)
     monkeypatch.setattr(one_round, "begun_elsewhere", lambda *_: [])
     monkeypatch.setattr(one_round, "_judged", judged)
-    setting = SimpleNamespace(options=Options(), noise=None)
+    setting = SimpleNamespace(base=None, options=Options(), noise=None)
     leading = [one_round.Promised(law, 0.9) for law in (soft, loose, weight)]
     seen = one_round._led(setting, None, leading, {}, 1.0)
     assert asked == [[soft, loose, weight], [loose, weight], [weight]]
