@@ -71,7 +71,7 @@ class FitProblem:
     @property
     def measured(self) -> NDArray[np.int64]:
         """How many samples of each output were measured; at least one."""
-        count: NDArray[np.int64] = np.isfinite(self.shots.outputs).sum(axis=0)
+        count: NDArray[np.int64] = self.shots.known.sum(axis=0)
         return np.maximum(count, 1)
 
     def with_parameters(self, theta: Array) -> Array:
@@ -155,8 +155,7 @@ def parts(
     shots = problem.shots
     nd = len(problem.free) + problem.model.n_states
     most = max(PART_NUMBERS // max(nd * len(problem.sigma), 1), 1)
-    edges = np.array(shots.edges, dtype=np.int64)
-    first = 0
+    edges, first = shots.edge_array, 0
     while first < shots.n_windows:
         last = int(np.searchsorted(edges, edges[first] + most, side="right")) - 1
         last = min(max(last, first + 1), shots.n_windows)
@@ -171,14 +170,7 @@ def _part(
     windows: slice,
     about: NDArray[np.int64] | None,
 ) -> Part:
-    edges = problem.shots.edges[windows.start : windows.stop + 1]
-    rows = slice(edges[0], edges[-1])
-    shots = Shots(
-        problem.shots.time[rows],
-        problem.shots.inputs[rows],
-        problem.shots.outputs[rows],
-        tuple(edge - edges[0] for edge in edges),
-    )
+    shots, rows = _windows_of(problem.shots, windows)
     shot = shoot(
         problem.model,
         shots,
@@ -191,8 +183,8 @@ def _part(
         reasons=False,
     )
     shot = without_overflow(shot, shots.edges)
-    known = np.isfinite(shots.outputs)
-    ran = np.repeat(shot.completed, np.diff(shots.edges))
+    known = shots.known
+    ran = np.repeat(shot.completed, shots.lengths)
     measured = known & ran[:, None]
     residuals = (shots.outputs - shot.outputs) / problem.sigma
     jacobian = shot.sensitivities / problem.sigma[:, None]
@@ -211,6 +203,17 @@ def _part(
         whitened(errors, phi, shots.edges, measured),
         whitened(jacobian, phi, shots.edges, measured),
     )
+
+
+def _windows_of(shots: Shots, windows: slice) -> tuple[Shots, slice]:
+    """Return a run of the windows and their rows; nearly always all there are."""
+    edges = shots.edges[windows.start : windows.stop + 1]
+    rows = slice(edges[0], edges[-1])
+    if len(edges) == len(shots.edges):
+        return shots, rows
+    begun = tuple(edge - edges[0] for edge in edges)
+    cut = (shots.time[rows], shots.inputs[rows], shots.outputs[rows])
+    return Shots(*cut, begun), rows
 
 
 def linearise_windows(
@@ -234,7 +237,7 @@ def linearise_windows(
         if not isinstance(problem.loss, SquaredError):
             root = np.sqrt(weight_of(problem.loss, errors**2))
             errors, jacobian = errors * root, jacobian * root[..., None]
-        edges = np.array(part.shots.edges, dtype=np.int64)
+        edges = part.shots.edge_array
         normal_blocks(jacobian, errors, edges, hessian[at], slope[at], cost[at])
         if not isinstance(problem.loss, SquaredError):
             own = cost_of(problem.loss, part.errors**2).sum(axis=1)
@@ -254,7 +257,7 @@ def window_costs(problem: FitProblem, theta: Array, initial: Array) -> Array:
     found = np.zeros(problem.shots.n_windows)
     for part in parts(problem, theta, initial, np.zeros(0, dtype=np.int64)):
         each = cost_of(problem.loss, part.errors**2).sum(axis=1)
-        summed = np.add.reduceat(each, np.array(part.shots.edges[:-1]))
+        summed = np.add.reduceat(each, part.shots.edge_array[:-1])
         found[part.windows] = np.where(part.shot.completed, summed, np.inf)
     return np.where(np.isfinite(found), found, np.inf)
 

@@ -43,6 +43,7 @@ class _Key:
         return isinstance(other, _Key) and self.told == other.told
 
 
+@lru_cache(maxsize=256)
 def explicit_form(model: NumericModel) -> NumericModel | None:
     """Return the model without unknowns, its rates a function of x, u, p and t alone.
 

@@ -116,8 +116,7 @@ def run_native(
             )
 
     _share(simulate, len(run.done), n if explicit else IMPLICIT_STEP * n)
-    lengths = np.diff(windows.edges)
-    for window in np.flatnonzero(run.done < lengths):
+    for window in np.flatnonzero(run.done < np.diff(windows.edges)):
         left = slice(
             windows.edges[window] + run.done[window], windows.edges[window + 1]
         )

@@ -100,7 +100,7 @@ def _with_windows(
 ) -> Shooting:
     """Return `whole` with those windows as they are in `part`."""
     chosen = np.isin(np.arange(shots.n_windows), windows)
-    rows = np.repeat(chosen, np.diff(shots.edges))
+    rows = np.repeat(chosen, shots.lengths)
     outputs, states = whole.outputs.copy(), whole.states.copy()
     slopes, completed = whole.sensitivities.copy(), whole.completed.copy()
     outputs[rows], states[rows] = part.outputs, part.states
@@ -126,7 +126,7 @@ def _by_native_code(
     windows = Windows(
         np.ascontiguousarray(shots.time, dtype=np.float64),
         np.ascontiguousarray(shots.inputs, dtype=np.float64),
-        np.array(shots.edges, dtype=np.int64),
+        shots.edge_array,
         np.ascontiguousarray(initial, dtype=np.float64),
     )
     run = run_native(
@@ -175,7 +175,7 @@ def _troubles(
     codes: Integers | None,
 ) -> tuple[Trouble | None, ...]:
     """Return per window what went wrong, by the kernel's codes and the outputs."""
-    if np.array_equal(done, np.diff(shots.edges)) and np.isfinite(outputs).all():
+    if np.array_equal(done, shots.lengths) and np.isfinite(outputs).all():
         return (None,) * shots.n_windows  # Nearly always, and fits ask very often.
     found: list[Trouble | None] = []
     for window, part in enumerate(shots.slices):

@@ -46,6 +46,21 @@ class Shots:
         return self.n_windows == len(self.time)
 
     @cached_property
+    def edge_array(self) -> NDArray[np.int64]:
+        """The edges as loops take them, (n_windows + 1,)."""
+        return np.array(self.edges, dtype=np.int64)
+
+    @cached_property
+    def lengths(self) -> NDArray[np.int64]:
+        """How many samples each window holds."""
+        return np.diff(self.edge_array)
+
+    @cached_property
+    def known(self) -> NDArray[np.bool_]:
+        """Which readings there are, (n, ny)."""
+        return np.isfinite(self.outputs)
+
+    @cached_property
     def slices(self) -> tuple[slice, ...]:
         """The windows as slices."""
         return tuple(slice(a, b) for a, b in pairwise(self.edges))

@@ -70,7 +70,7 @@ def run_tape(
     values = np.concatenate([parameters, np.zeros(2 * dry)])
     fast, code = _fast(model, engine, n, sensitive=nd > 0)
 
-    edges = np.array(shots.edges, dtype=np.int64)
+    edges = shots.edge_array
     done = np.zeros(shots.n_windows, dtype=np.int64)
     trouble = np.zeros((shots.n_windows, 2), dtype=np.int64)
     modes, since = np.zeros((n, dry), np.int64), np.full((n, dry), -np.inf)

@@ -9,7 +9,7 @@ that is for long simulations.
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 from bondgraph.numeric.native.code import Assembly, Function, Writer
@@ -129,9 +129,8 @@ def _machine_code(text: str, level: int) -> Any:
     module = llvm.parse_assembly(text)
     machine = llvm.Target.from_default_triple().create_target_machine(
         opt=level,
-        cpu=llvm.get_host_cpu_name(),
-        features=llvm.get_host_cpu_features().flatten(),
         jit=True,
+        **_this_processor(),
     )
     options = llvm.create_pipeline_tuning_options(speed_level=level)
     builder = llvm.create_pass_builder(machine, options)
@@ -139,3 +138,12 @@ def _machine_code(text: str, level: int) -> Any:
     engine = llvm.create_mcjit_compiler(module, machine)
     engine.finalize_object()
     return engine
+
+
+@cache
+def _this_processor() -> dict[str, str]:
+    """Return name and features of the processor; asking takes a millisecond."""
+    import llvmlite.binding as llvm  # noqa: PLC0415
+
+    features = llvm.get_host_cpu_features().flatten()
+    return {"cpu": llvm.get_host_cpu_name(), "features": features}

@@ -96,6 +96,19 @@ def native_model(
     optimised
         Whether code that is a little faster is worth waiting for.
     """
+    wanted = None if along is None else frozenset(int(k) for k in along)
+    return _native(model, wanted, explicit, lanes, optimised)
+
+
+@lru_cache(maxsize=256)
+def _native(
+    model: NumericModel,
+    along: frozenset[int] | None,
+    explicit: bool,
+    lanes: int,
+    optimised: bool,
+) -> NativeModel:
+    """Return the code of this very model: a fit asks thousands of times."""
     nx, nu, ny = model.n_states, len(model.input_names), len(model.output_names)
     nz, n_parameters = model.n_unknowns, len(model.parameter_names)
     sizes = Sizes(states=nx, inputs=nu, parameters=n_parameters)
@@ -108,7 +121,7 @@ def native_model(
         _Written.of(model.output),
         sizes if explicit else None,
         tuple(columns),
-        None if along is None else frozenset(int(k) for k in along),
+        along,
         lanes,
         optimised,
     )
