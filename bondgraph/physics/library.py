@@ -32,6 +32,7 @@ from bondgraph.physics.induction import InducedCurrent
 from bondgraph.physics.inertia import AddedInertia, SaturatingInertia
 from bondgraph.physics.leakage import Bypass, Leak, Slip
 from bondgraph.physics.load import LoadDependentFriction
+from bondgraph.physics.lost_motion import LostMotion
 from bondgraph.physics.modes import FlexibleMode
 from bondgraph.physics.one_way import DirectionDependentDamping, OneWayPassage
 from bondgraph.physics.orifice import Clamp, Overflow, SquareLaw, SquareRootOrifice
@@ -100,6 +101,7 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     Delay(),
     Saturation(),
     DeadZone(),
+    LostMotion(),
     InputNonlinearity(),
     SensorNonlinearity(),
     UnknownRelation(),

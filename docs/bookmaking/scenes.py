@@ -441,6 +441,17 @@ SCENES: Mapping[str, Scene] = {
     "Delay": Scene(**_COMMANDED, values={"delay": 0.4}),
     "Saturation": Scene(**_COMMANDED, values={"limit": 6.0}),
     "DeadZone": Scene(**_COMMANDED, values={"dead_zone": 3.0}),
+    "LostMotion": Scene(
+        machine=machines.two_tanks,
+        place="inflow",
+        values={"half_gap": 0.5},
+        drive={"inflow": _wave(2.0)},
+        output="upper_pressure",
+        across="flow(inflow)",
+        up="flow(*)",
+        labels=("flow commanded [m³/s]", "flow that acts [m³/s]"),
+        left=r"u_{\mathrm{acts}}",
+    ),
     "InputNonlinearity": Scene(**_COMMANDED, values={"input_power": 1.0}),
     "SensorNonlinearity": Scene(
         **_READ, values={"sensor_square": 0.0, "sensor_cube": -0.35}
