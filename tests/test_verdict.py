@@ -300,6 +300,14 @@ def test_what_does_not_carry_over_is_not_told_as_sure():
     assert "may have been left out" in told.statement
 
 
+def test_what_rests_on_values_at_their_bounds_is_believed_half():
+    (finding, *_) = cart_diagnosis().findings
+    sure = replace(finding, probability=0.8, statement="Friction was left out: some.")
+    (told,) = doubted([sure], 0.0, within=False)
+    assert told.probability == pytest.approx(0.4)
+    assert "may have been left out" in told.statement
+
+
 @pytest.mark.parametrize(
     ("left", "believed"), [(0.005, 1.0), (0.04, 0.8), (0.36, 0.4), (3.0, 0.0)]
 )

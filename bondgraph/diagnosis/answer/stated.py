@@ -44,18 +44,8 @@ def contradicted(
 
 
 def at_bounds(graph: FinishedGraph, estimates: Sequence[Estimate]) -> tuple[str, ...]:
-    """Return a sentence on the values that end at the bounds the model states.
-
-    A bound of zero is one of nature and not of knowledge; nothing is said of it.
-    """
-    ended = [
-        f"{estimate.name} at {bound:.4g}{_unit_of(estimate)}"
-        for estimate in estimates
-        if estimate.name in graph.parameters
-        for bound in graph.parameters[estimate.name].bounds
-        if math.isfinite(bound) and bound != 0.0
-        if math.isclose(estimate.value, bound, rel_tol=AT)
-    ]
+    """Return a sentence on the values that end at the bounds the model states."""
+    ended = ended_at_bounds(graph, estimates)
     told = gone_words(graph, estimates)
     if not ended:
         return told
@@ -64,6 +54,23 @@ def at_bounds(graph: FinishedGraph, estimates: Sequence[Estimate]) -> tuple[str,
         f"The fit ends at bounds that the model states: {listed(ended, 'and')}. Either "
         "they are too narrow, or these values stand in for something that is missing; "
         "what is said of the rest rests on them.",
+    )
+
+
+def ended_at_bounds(
+    graph: FinishedGraph, estimates: Sequence[Estimate]
+) -> tuple[str, ...]:
+    """Return the values that end at bounds the model states, in words.
+
+    A bound of zero is one of nature and not of knowledge; it does not count.
+    """
+    return tuple(
+        f"{estimate.name} at {bound:.4g}{_unit_of(estimate)}"
+        for estimate in estimates
+        if estimate.name in graph.parameters
+        for bound in graph.parameters[estimate.name].bounds
+        if math.isfinite(bound) and bound != 0.0
+        if math.isclose(estimate.value, bound, rel_tol=AT)
     )
 
 

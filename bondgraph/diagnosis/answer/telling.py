@@ -17,7 +17,7 @@ from bondgraph.diagnosis.answer.one_size import doubted_in_one_size
 from bondgraph.diagnosis.answer.rounded_inputs import doubted_within_rounding
 from bondgraph.diagnosis.answer.separating import designed, left_close
 from bondgraph.diagnosis.answer.showing import recovered_law, traces
-from bondgraph.diagnosis.answer.stated import at_bounds, contradicted
+from bondgraph.diagnosis.answer.stated import at_bounds, contradicted, ended_at_bounds
 from bondgraph.diagnosis.answer.untried import untried
 from bondgraph.diagnosis.answer.wording import next_experiment
 from bondgraph.diagnosis.candidates import Candidate
@@ -70,7 +70,8 @@ def answer(
     proportion = known_in_proportion(final, base)
     told, others = findings_of(rounds, after, held_out, options, left, proportion)
     told = with_images(told, base.graph, after.estimates)
-    told = doubted(told, left, carried=shown.carries_over)
+    within = not ended_at_bounds(graph, after.estimates)
+    told = doubted(told, left, carried=shown.carries_over, within=within)
     findings = doubted_at_jumps(told, made)
     findings = doubted_within_rounding(findings, made)
     findings = doubted_in_one_size(findings, rounds)
