@@ -27,7 +27,7 @@ from bondgraph.structure.graph import FinishedGraph
 
 MODEL = "flegx_models.demo:drive"
 MACHINE = "flegx_models.concealed_drive"
-DURATION = 6.0  # s, of each recording
+DURATION = 4.0  # s, of each recording
 PAGE, RESULT = "report.html", "result.json"
 HIDDEN, WHERE = "load_dependent_friction", "worm"
 
