@@ -75,7 +75,8 @@ class UnknownRelation(AbstractPhysics):
             yield partial(self._curve, place, e, E)
         elif isinstance(place, InputPlace):
             yield partial(self._of_input, place)
-            yield partial(self._gain, place)
+            if not place.meets_itself:
+                yield partial(self._gain, place)
         elif isinstance(place, ElementPlace):
             yield from forms_of_element(self.hypothesis, place, self.smooth)
 
@@ -86,7 +87,7 @@ class UnknownRelation(AbstractPhysics):
         """Apply a free curve of what is commanded."""
         half = place.peak / 2.0
         size = place.constant("curve_input", place.channel_unit, half)
-        knots = even(place.scales.range_of(place.name, half), half)
+        knots = even(place.range, half)
         unit, x = place.channel_unit, place.signal / size.symbol
         odd = self._odd(knots)
         curve, heights = drawn(place, "curve", unit, x, knots, self.smooth, odd=odd)

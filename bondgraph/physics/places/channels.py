@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from bondgraph.physics.places.base import Coefficient, Place
+from bondgraph.physics.places.base import Coefficient, E, F, Place
 from bondgraph.physics.places.source import SourcePlace
 from bondgraph.structure.domains import ANALOGUE, EnergyDomain
 from bondgraph.structure.edits import ReplaceMeasurement, SignalState, WrapInput
@@ -80,6 +80,12 @@ class InputPlace(ChannelPlace, SourcePlace):
     def signal(self) -> Signal:
         """The recorded signal."""
         return Signal(self.quantity, self.name)
+
+    @property
+    def meets_itself(self) -> bool:
+        """Whether what is common at its junction is what it imposes."""
+        common = F if self.is_one_junction(self.junction) else E
+        return self.quantity is common
 
     @property
     def channel_unit(self) -> str:
