@@ -95,7 +95,7 @@ def test_a_curve_that_changes_a_law_is_drawn_without_a_cloud():
     base = fit_model(slider(), [run], FitSettings())
     places = all_places(base.graph, measure_scales(base))
     (place,) = (one for one in places if isinstance(one, InputPlace))
-    curve, _ = UnknownRelation().propose(place)
+    (curve,) = UnknownRelation().propose(place)  # its gain is the same curve
     fitted = fitted_with(base, base, [curve], curve.starts[0])
     law = recovered_law(base, Candidate(curve, fitted, 6), fitted, [run])
     assert (law.argument_unit, law.value_unit, law.argument.size) == ("m/s", "m/s", 0)
