@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import sympy
 
 from bondgraph import BondGraph, R, Recording, Sf, bind_to, diagnose
 from bondgraph.diagnosis.answer.showing import recovered_law
@@ -14,8 +15,10 @@ from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.friction import CoulombFriction
 from bondgraph.physics.places.channels import InputPlace
 from bondgraph.physics.places.everywhere import all_places
+from bondgraph.physics.places.scales import Scales
 from bondgraph.physics.unknown import UnknownRelation
 from bondgraph.reporting.page.laws import law_picture
+from bondgraph.structure.signals import flow, parameter_symbol
 
 LIBRARY = (CoulombFriction(), UnknownRelation())
 
@@ -83,6 +86,18 @@ def test_a_size_that_changes_along_the_way_is_told_as_its_curve(
 def test_a_constant_size_is_the_law_with_a_name():
     found = said(lambda way, speed: speed + 1.5 * np.sign(speed))
     assert [one.physics for one in found.findings] == ["coulomb_friction"]
+
+
+def test_a_curve_of_a_command_spans_what_was_commanded():
+    signal, drive = flow("speed"), slider()
+    ranges = {signal.name: (0.0, 100.0)}
+    place = InputPlace(drive, "speed", Scales(sizes={signal.name: 60.0}, ranges=ranges))
+    (curve,) = UnknownRelation().propose(place)  # its gain is the same curve
+    width = parameter_symbol("curve_input_speed")
+    bends = curve.shape.value.atoms(sympy.Abs)
+    ends = [sympy.solve(bend.args[0], signal)[0] for bend in bends]
+    knots = sorted(float(end.subs(width, place.peak / 2.0)) for end in ends)
+    assert (knots[0], knots[-1]) == pytest.approx((0.0, 100.0))
 
 
 def test_a_curve_that_changes_a_law_is_drawn_without_a_cloud():

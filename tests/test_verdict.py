@@ -292,18 +292,11 @@ def test_a_curve_that_makes_held_out_data_worse_says_so_too():
     assert "does not carry over" in statement
 
 
-def test_what_does_not_carry_over_is_not_told_as_sure():
+@pytest.mark.parametrize("against", [{"carried": False}, {"within": False}], ids=str)
+def test_what_does_not_carry_over_or_rests_on_bounds_is_believed_half(against):
     (finding, *_) = cart_diagnosis().findings
     sure = replace(finding, probability=0.8, statement="Friction was left out: some.")
-    (told,) = doubted([sure], 0.0, carried=False)
-    assert told.probability == pytest.approx(0.4)
-    assert "may have been left out" in told.statement
-
-
-def test_what_rests_on_values_at_their_bounds_is_believed_half():
-    (finding, *_) = cart_diagnosis().findings
-    sure = replace(finding, probability=0.8, statement="Friction was left out: some.")
-    (told,) = doubted([sure], 0.0, within=False)
+    (told,) = doubted([sure], 0.0, **against)
     assert told.probability == pytest.approx(0.4)
     assert "may have been left out" in told.statement
 

@@ -64,7 +64,7 @@ def automatic_horizon(
     if not accumulates(graph, model, recordings, settings):
         return whole, None
     problem = pose(graph, model, cut(recordings, whole), settings)
-    longest = max(int(size) for size in np.diff(problem.shots.edges))
+    longest = int(problem.shots.lengths.max())
     samples = max(SHORTEST, 6 * model.n_states)
     best: tuple[Horizon, Optimum | None] = Windows(samples), None
     lowest, states = math.inf, None

@@ -39,14 +39,14 @@ def first_guess(problem: FitProblem, theta: Array) -> Array:
     varies = float(np.sum((spread(shots.outputs) / problem.sigma) ** 2))
     zeros = np.zeros((shots.n_windows, problem.model.n_states))
     iterations = ITERATIONS
-    if max(np.diff(shots.edges)) > 2 * SHORTEST:
+    if shots.lengths.max() > 2 * SHORTEST:
         problem = replace(
             problem, shots=shots.subset(np.arange(shots.n_windows), SHORTEST)
         )
     elif problem.model.set_valued is None:
         iterations = 0
     initial, here = settle(problem, theta, zeros, iterations)
-    near = varies * np.diff(problem.shots.edges)
+    near = varies * problem.shots.lengths
     if not (here.cost <= near).all():
         states = _read_at_once(problem, theta, zeros)
         states, there = settle(problem, theta, states, iterations)

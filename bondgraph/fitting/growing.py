@@ -48,7 +48,7 @@ def grow(
     initial
         States at the beginning of the shortest windows, `first_windows` of them.
     """
-    longest = max(int(size) for size in np.diff(problem.shots.edges))
+    longest = int(problem.shots.lengths.max())
     samples, states = strategy.shortest, np.zeros(0)
     stage = held_weakly(first_windows(problem, strategy), theta)
     # The first residual scale was a guess, against which the hold weighs much.
@@ -79,7 +79,7 @@ def first_windows(problem: FitProblem, strategy: GrowingWindows) -> FitProblem:
 
 def _begin(long: Shots, short: Shots) -> NDArray[np.int64]:
     """Return which short windows begin where the long ones do."""
-    return np.searchsorted(np.array(short.edges), np.array(long.edges[:-1]))
+    return np.searchsorted(short.edge_array, long.edge_array[:-1])
 
 
 def held_weakly(problem: FitProblem, theta: Array) -> FitProblem:

@@ -110,7 +110,7 @@ def settled_over(
     """
     theta = problem.start[problem.free]
     states, at = settle(problem, theta, first_guess(problem, theta), iterations=25)
-    samples = np.diff(problem.shots.edges)
+    samples = problem.shots.lengths
     usual = np.median(fitted.optimum.initial, axis=0)
     for other in (_known(problem, fitted), np.zeros_like(usual), usual):
         lost = ~(at.cost <= FAR * _left_per_sample(fitted) * samples)

@@ -63,7 +63,7 @@ def shoot_multiply(
     problem: FitProblem, theta: Array, strategy: MultipleShooting
 ) -> tuple[Array, Array]:
     """Return parameters and initial states of `problem` near its optimum."""
-    longest = max(int(size) for size in np.diff(problem.shots.edges))
+    longest = int(problem.shots.lengths.max())
     short = cut_finer(problem.shots, max(longest // strategy.windows, 2))
     cut = held_weakly(replace(problem, shots=short), theta)
     origin = np.zeros((short.n_windows, problem.model.n_states))
@@ -79,7 +79,7 @@ def shoot_multiply(
         weighed = _weighed(joined, here)
         joined, here = weighed, _point(weighed, here.theta, here.states)
         penalty *= strategy.rise
-    begins = np.searchsorted(np.array(short.edges), np.array(problem.shots.edges[:-1]))
+    begins = np.searchsorted(short.edge_array, problem.shots.edge_array[:-1])
     return here.theta, here.states[begins]
 
 
@@ -136,7 +136,7 @@ def _point(joined: _Joined, theta: Array, states: Array) -> _Point:
     hessian, slope = np.zeros((count, nd, nd)), np.zeros((count, nd))
     cost, gap, ends = np.zeros(count), np.zeros((count, nx)), np.zeros((count, nx, nd))
     for part in parts(problem, theta, states):
-        at, edges = part.windows, np.array(part.shots.edges, dtype=np.int64)
+        at, edges = part.windows, part.shots.edge_array
         own = np.ascontiguousarray(part.jacobian[:, :ny])
         errors = np.ascontiguousarray(part.errors[:, :ny])
         normal_blocks(own, errors, edges, hessian[at], slope[at], cost[at])

@@ -82,7 +82,7 @@ def approach(
     problem: FitProblem, theta: Array, strategy: Strategy
 ) -> tuple[Array, Array] | None:
     """Return parameters and initial states near the optimum; None for no advice."""
-    longest = max(np.diff(problem.shots.edges))
+    longest = problem.shots.lengths.max()
     if not len(problem.free) or problem.model.n_states == 0:
         return None
     match strategy:

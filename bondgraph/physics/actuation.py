@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import sympy
 
+from bondgraph.physics.gap import beyond
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Coefficient, Place
 from bondgraph.physics.places.channels import InputPlace
@@ -184,8 +185,7 @@ class DeadZone(AbstractPhysics):
             return
         widths = tuple(share * place.peak for share in (0.0, 0.05, 0.15, 0.4))
         half = place.strength("dead_zone", place.channel_unit, widths, low=0.0)
-        above = sympy.Max(place.signal - half.symbol, 0)
-        law = above + sympy.Min(place.signal + half.symbol, 0)
+        law = beyond(place.signal, half.symbol)
         words = f"{place.name} does nothing while it is small"
         yield self.hypothesis(place, place.become(law, half), law, (half,), words)
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 import sympy
 
+from bondgraph.physics.gap import beyond
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import MECHANICAL, Coefficient, E, F, Place, Q
 from bondgraph.physics.places.bond import BondPlace
@@ -80,7 +81,7 @@ class Backlash(AbstractPhysics):
             return
         gaps = tuple(share * place.content for share in (0.0, 0.1, 0.3, 0.8))
         gap = place.strength("half_gap", place.unit(Q), gaps, low=0.0)
-        law = place.usual_law.xreplace({q: _beyond(q, gap.symbol)})
+        law = place.usual_law.xreplace({q: beyond(q, gap.symbol)})
         words = f"{place.name} has play: it carries nothing inside a gap"
         edit = place.replace(law, gap)
         yield self.hypothesis(place, edit, law, (gap,), words, also=place.junctions)
@@ -110,9 +111,9 @@ class Backlash(AbstractPhysics):
         unit = place.per(place.unit(E), Q, F)
         d = place.shape("contact_damping", unit, (stiff / place.flow,), low=0.0)
         name = place.name_of("backlash")
-        law = k.symbol * _beyond(q, gap.symbol)
+        law = k.symbol * beyond(q, gap.symbol)
         there = displacement(f"{name}_contact")
-        pressed = sympy.Abs(_beyond(there, gap.symbol))
+        pressed = sympy.Abs(beyond(there, gap.symbol))
         elements = (
             Compliance(f"{name}_contact", law=law),
             Resistance(f"{name}_losses", law=d.symbol * pressed * f),
@@ -122,11 +123,6 @@ class Backlash(AbstractPhysics):
         return self.hypothesis(
             place, edit, law, (gap, k, d), words, extends=("compliance",)
         )
-
-
-def _beyond(x: sympy.Expr, half: sympy.Symbol) -> sympy.Expr:
-    """Return how far x lies outside of ± half."""
-    return sympy.Max(x - half, 0) + sympy.Min(x + half, 0)
 
 
 class AddedCompliance(AbstractPhysics):

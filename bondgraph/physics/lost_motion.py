@@ -7,8 +7,7 @@ and τ half a sample. It is the play operator as soon as samples are short.
 
 from collections.abc import Iterator
 
-import sympy
-
+from bondgraph.physics.gap import beyond
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Place
 from bondgraph.physics.places.channels import InputPlace
@@ -47,8 +46,7 @@ class LostMotion(AbstractPhysics):
         within = place.constant("play_settling", "s", SETTLING * place.scales.step)
         name = place.name_of("followed")
         ahead = place.signal - displacement(name)
-        pushed = sympy.Max(ahead - gap.symbol, 0) + sympy.Min(ahead + gap.symbol, 0)
-        state = SignalState(name, pushed / within.symbol)
+        state = SignalState(name, beyond(ahead, gap.symbol) / within.symbol)
         words = f"{place.name} acts through play: inside a gap nothing follows it"
         edit = place.become(state.value, gap, within, states=(state,), nested=False)
         yield self.hypothesis(place, edit, state.value, (gap, within), words)

@@ -88,7 +88,7 @@ def _after(found: Round) -> FittedModel:
 def after_jumps(shots: Shots) -> NDArray[np.bool_]:
     """Return which samples an input jumps to, or are the next after these, (n,)."""
     inside = np.ones(len(shots.time), dtype=bool)
-    inside[np.array(shots.edges[:-1])] = False
+    inside[shots.edge_array[:-1]] = False
     jumped = inside & jumps_in(shots.inputs)
     following = np.concatenate([[False], jumped[:-1]])
     near: NDArray[np.bool_] = jumped | (following & inside)

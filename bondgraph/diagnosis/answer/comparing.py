@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from bondgraph.diagnosis.answer.carrying import Shown
 from bondgraph.diagnosis.answer.left_open import is_left_open
 from bondgraph.diagnosis.records import Comparison
@@ -47,10 +45,10 @@ def _over_stretches(
     if shown.after.nrmse < BETTER * shown.before.nrmse:
         return None
     shots = (fitted.problem.shots for fitted in (base, final))
-    samples = min(max(np.diff(one.edges)) for one in shots)
+    samples = min(int(one.lengths.max()) for one in shots)
     if not base.problem.model.n_states or samples >= max(map(len, held_out), default=0):
         return None
-    return _stretched(base, final, held_out, int(samples))
+    return _stretched(base, final, held_out, samples)
 
 
 def over_long(

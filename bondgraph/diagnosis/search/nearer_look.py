@@ -70,7 +70,7 @@ def _may_be_nearer(base: FittedModel, noise: Array, options: Options) -> bool:
 
 def _samples(base: FittedModel) -> int:
     """Return how long a shorter window is."""
-    return int(np.diff(base.problem.shots.edges).max()) // NEAR
+    return int(base.problem.shots.lengths.max()) // NEAR
 
 
 def _fitted_nearer(

@@ -160,7 +160,7 @@ def projected(problem: FitProblem, optimum: Optimum, part: Part) -> Array:
     at, nq = optimum.linearisation, len(optimum.theta)
     own = truncated_inverse(at.hessian[part.windows, nq:, nq:])
     gain = own @ at.hessian[part.windows, nq:, :nq]
-    sizes = np.diff(part.shots.edges)
+    sizes = part.shots.lengths
     windows = np.repeat(np.arange(len(sizes)), sizes)
     result: Array = part.jacobian[:, :, :nq] - np.einsum(
         "njx,nxq->njq", part.jacobian[:, :, nq:], gain[windows]

@@ -87,7 +87,7 @@ def _setting(
     scale = np.std(at.states, axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     rms = np.sqrt((at.residuals**2).sum(axis=0) / problem.measured)
-    begins = np.searchsorted(np.array(short.shots.edges), problem.shots.edges[:-1])
+    begins = np.searchsorted(short.shots.edge_array, problem.shots.edge_array[:-1])
     start = problem.start.astype(np.float64)
     start[problem.free] = theta
     return Setting(

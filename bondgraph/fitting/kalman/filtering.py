@@ -84,7 +84,7 @@ def _once(setting: Setting, at: Unknowns, around: Array) -> Filtered:
         hold=problem.hold,
     )
     ny, nx = len(problem.sigma), problem.model.n_states
-    first, after = np.array(pairs.edges[:-1]), np.array(pairs.edges[1:]) - 1
+    first, after = pairs.edge_array[:-1], pairs.edge_array[1:] - 1
     n = len(first)
     innovations, variances = np.zeros((n, ny)), np.ones((n, ny))
     states = np.zeros((n, nx))

@@ -122,7 +122,7 @@ def _filter(setting: Setting, at: Unknowns, read: Planes, moved: Planes) -> Filt
     means, wide = (n, nx), (n, nx, nx)
     found = Beliefs(*map(np.zeros, (means, wide, means, wide)))
     starts, process = starts_of(setting), process_of(setting, at)
-    ends = np.array(pairs.edges)
+    ends = pairs.edge_array
     steps = pairs.time[ends[1:] - 1] - pairs.time[ends[:-1]]
     noise, window = np.exp(2.0 * at.noise), -1
     belief = Belief(np.zeros(nx), np.zeros((nx, nx)))

@@ -90,9 +90,9 @@ def simulated(
         Initial states, ``[window, point, state]``.
     """
     count, each, nx = spread.shape
-    lengths = np.diff(shots.edges)
+    lengths = shots.lengths
     rows = np.repeat(np.arange(count), each)
-    starts = np.array(shots.edges[:-1])[rows]
+    starts = shots.edge_array[:-1][rows]
     sizes = lengths[rows] if last else np.ones(len(rows), np.int64)
     edges = np.concatenate([[0], np.cumsum(sizes)])
     index = np.repeat(starts - edges[:-1], sizes) + np.arange(edges[-1])

@@ -24,7 +24,7 @@ def stretch(base: FittedModel, recordings: Sequence[BoundRecording]) -> int | No
     there = base.graph.with_parameters(base.values)
     if not accumulates(there, problem.model, recordings, base.settings):
         return None
-    return WINDOWS * int(np.diff(problem.shots.edges).max())
+    return WINDOWS * int(problem.shots.lengths.max())
 
 
 def long_error(
