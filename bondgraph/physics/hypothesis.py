@@ -1,7 +1,7 @@
 """A hypothesis: one piece of physics at one place, as an edit that can be undone."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -29,7 +29,7 @@ class Shape:
     """What to draw of a curve that changes a law: a value over an argument.
 
     Both are expressions in signals and parameters, with what they are called and their
-    units.
+    units. A value that `multiplies` the law of a loss may not turn negative.
     """
 
     argument: sympy.Expr
@@ -38,6 +38,7 @@ class Shape:
     value: sympy.Expr
     value_name: str
     value_unit: str
+    multiplies: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,6 +208,13 @@ class Hypothesis:
     def apply(self, graph: FinishedGraph) -> FinishedGraph:
         """Return the graph with the physics inserted."""
         return self.edit.apply(graph)
+
+
+Make = Callable[..., Hypothesis]
+"""What makes a hypothesis of some physics: `AbstractPhysics.hypothesis`."""
+
+Form = Callable[[], Hypothesis]
+"""What makes one of its forms; a curve drawn finely is long to write."""
 
 
 class AbstractPhysics(ABC):

@@ -14,7 +14,7 @@ import sympy
 from bondgraph.physics.bends import Knots
 from bondgraph.physics.curves import ALONG, BOTH_WAYS, drawn, even, turning
 from bondgraph.physics.dry_friction import direction
-from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Shape
+from bondgraph.physics.hypothesis import AbstractPhysics, Form, Hypothesis, Shape
 from bondgraph.physics.places.base import MECHANICAL, Coefficient, E, F, Place, Q
 from bondgraph.physics.places.channels import InputPlace
 from bondgraph.physics.places.element import ElementPlace
@@ -24,7 +24,7 @@ from bondgraph.physics.places.junction import (
 )
 from bondgraph.physics.position import restoring
 from bondgraph.physics.smooth import Smooth
-from bondgraph.physics.unknown_elements import Form, forms_of_element, passes
+from bondgraph.physics.unknown_elements import forms_of_element, passes
 from bondgraph.physics.unknown_elsewhere import forms_of_others
 from bondgraph.structure.domains import Quantity
 from bondgraph.structure.elements import OnePort, Resistance

@@ -1,27 +1,24 @@
 """Free curves in the own law of an element.
 
-A ratio on the way, what a store holds, what a resistance between two stores lets pass,
-and one that something elsewhere steers: a film that a fan cools, a damper with a coil.
+A ratio on the way, what a store holds, what a resistance between two stores lets pass.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
 import sympy
 
 from bondgraph.physics.curves import BOTH_WAYS, drawn, even, turning
-from bondgraph.physics.hypothesis import Hypothesis, Shape
+from bondgraph.physics.hypothesis import Form, Hypothesis, Make, Shape
 from bondgraph.physics.places.base import (
     ELECTRIC,
     MECHANICAL,
-    Coefficient,
     E,
     F,
     P,
     Q,
 )
-from bondgraph.physics.places.channels import ChannelPlace, InputPlace, OutputPlace
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import (
     JunctionPlace,
@@ -29,37 +26,25 @@ from bondgraph.physics.places.junction import (
     junction_place,
 )
 from bondgraph.physics.smooth import Smooth
+from bondgraph.physics.unknown_led import forms_of_led
 from bondgraph.structure.elements import (
     Compliance,
-    FlowSource,
     Gyrator,
     Inertance,
     Resistance,
     Transformer,
 )
-from bondgraph.structure.graph import used_parameters
 from bondgraph.structure.signals import (
-    Signal,
     displacement,
     e,
     effort,
     momentum,
     p,
-    parameter_symbol,
     q,
 )
 
-Make = Callable[..., Hypothesis]
-"""What makes a hypothesis of that physics: `AbstractPhysics.hypothesis`."""
-
-Form = Callable[[], Hypothesis]
-"""What makes one curve; a finely drawn one is long to write."""
-
 STORE = 8
 """Knots of what a store answers with."""
-
-STEERED = 4
-"""Knots of what steers a resistance: of two variables a law is told by few."""
 
 
 def forms_of_element(
@@ -81,8 +66,7 @@ def forms_of_element(
         case Resistance():
             if place.flow_law is not None:
                 yield partial(_passed, make, place, place.flow_law, smooth)
-            for channel in _elsewhere(place):
-                yield partial(_steered, make, place, channel, smooth)
+            yield from forms_of_led(make, place, smooth)
 
 
 def passes(place: OneJunctionPlace) -> bool:
@@ -127,82 +111,6 @@ def _passed(
     called = place.domain.word(F)
     shape = Shape(*given, law.subs(e, own), called, place.unit(F))
     return replace(found, shape=shape)
-
-
-def _elsewhere(place: ElementPlace) -> Iterator[ChannelPlace]:
-    """Yield what is recorded, changes, and is not beside a resistance already.
-
-    A flow into the store that it empties is not beside one whose law is written: its
-    jet may meet the outlet. A linear one that only bends would seem to be steered by
-    it. A drive beside a friction is: one that grows with the load has laws of its own.
-    """
-    graph = place.graph
-    beside: set[str] = {place.name, *place.junctions}
-    for junction in place.junctions:
-        bonds = graph.bonds_at(junction)
-        beside |= {bond.name for bond in bonds}
-        beside |= {bond.other(junction) for bond in bonds}
-        bent = place.element.law is not None
-        if bent and not place.is_one_junction(junction):
-            beside -= {s.name for s in graph.inputs if isinstance(s, FlowSource)}
-    # What a command has become steers sooner than the command does.
-    channels: list[ChannelPlace] = [
-        OutputPlace(graph, m.name, place.scales) for m in graph.measurements
-    ]
-    channels += (
-        InputPlace(graph, source.name, place.scales) for source in graph.inputs
-    )
-    known: set[sympy.Expr] = set()
-    for channel in channels:
-        signal = channel.signal
-        if channel.is_constant or not isinstance(signal, Signal) or signal in known:
-            continue
-        known.add(signal)
-        if signal.place not in beside:
-            yield channel
-
-
-def _steered(
-    make: Make, place: ElementPlace, channel: ChannelPlace, smooth: Smooth | None
-) -> Hypothesis:
-    """Make a resistance a curve of something that is recorded elsewhere.
-
-    Its own numbers are in the curve: beside one, only their product shows.
-    """
-    size = channel.peak
-    usual, own = _as_it_is(place)
-    stem = f"curve_{channel.name}"
-    knots = even(channel.range, size, STEERED)
-    width = place.constant(f"{stem}_width", channel.channel_unit, size)
-    x = channel.signal / width.symbol
-    curve, heights = drawn(place, stem, "1", x, knots, smooth)
-    law = usual * (1 + curve)
-    words = f"{place.name} changes with {channel.name}"
-    edit = place.replace(law, *heights, width, *own)
-    found = make(place, edit, law, heights, words, also=place.junctions)
-    steering = (channel.signal, channel.name, channel.channel_unit)
-    shape = Shape(*steering, 1 + curve, "resistance to its usual", "1")
-    return replace(found, shape=shape)
-
-
-def _as_it_is(place: ElementPlace) -> tuple[sympy.Expr, list[Coefficient]]:
-    """Return the law of an element with its own numbers held where they are now."""
-    graph, law = place.graph, place.usual_law
-    others = [node for node in graph.nodes if node.name != place.name]
-    elsewhere = used_parameters(others, graph.measurements)
-    held = []
-    for parameter in graph.parameters.members:
-        symbol = parameter_symbol(parameter.name)
-        if law.has(symbol) and parameter.name not in elsewhere:
-            is_own = parameter.name == place.name
-            stem = "usual" if is_own else f"usual_{parameter.name}"
-            now = place.scales.fitted.get(parameter.name, parameter.value)
-            # A resistance of nothing has no size; in a written law a number may be 0.
-            if now is None or (is_own and now == 0.0):
-                now = 1.0
-            held.append(place.constant(stem, parameter.unit, now))
-            law = law.subs(symbol, held[-1].symbol)
-    return law, held
 
 
 def _ratio(

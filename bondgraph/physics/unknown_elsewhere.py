@@ -8,14 +8,13 @@ from dataclasses import replace
 from functools import partial
 
 from bondgraph.physics.curves import drawn, even, turning
-from bondgraph.physics.hypothesis import Hypothesis, Shape
+from bondgraph.physics.hypothesis import Form, Hypothesis, Make, Shape
 from bondgraph.physics.places.apart import inputs_apart_from, moving_apart_from
 from bondgraph.physics.places.base import E, F
 from bondgraph.physics.places.channels import InputPlace
 from bondgraph.physics.places.displacements import known_displacement
 from bondgraph.physics.places.junction import OneJunctionPlace
 from bondgraph.physics.smooth import Smooth
-from bondgraph.physics.unknown_elements import Form, Make
 from bondgraph.structure.elements import EffortSource
 from bondgraph.structure.signals import Signal, displacement, flow
 

@@ -35,8 +35,8 @@ NEGATIVE_STORE = (
     "what it holds stands for the time there"
 )
 NEGATIVE_LOSS = (
-    "somewhere it would give back power, as no loss does: what steers it there stands "
-    "for something else"
+    "somewhere it would give back power, as no loss does: what it goes along there "
+    "stands for something else"
 )
 BEYOND_COMMAND = (
     "somewhere it would act a hundred times more than was ever commanded: it makes up "
@@ -55,11 +55,11 @@ def impossible(candidate: Candidate) -> str | None:
             steps = np.diff(_drawn(candidate, shape)[1])
             rises, falls = steps[steps > 0.0].sum(), -steps[steps < 0.0].sum()
             return NEGATIVE_STORE if falls > TOO_MUCH * rises else None
-        case Resistance() if _is_steered(shape, hypothesis.place):
+        case Resistance() if shape.multiplies:
             _, factor = _drawn(candidate, shape)
             turned = factor.min() < -TOO_MUCH * np.abs(factor).max()
             return NEGATIVE_LOSS if turned else None
-        case EffortSource() | FlowSource() if not _is_steered(shape, hypothesis.place):
+        case EffortSource() | FlowSource() if _is_commanded(shape, hypothesis.place):
             asked, acts = np.abs(_drawn(candidate, shape)).max(axis=1)
             return BEYOND_COMMAND if acts > TOO_FAR * asked else None
     return None
@@ -76,6 +76,6 @@ def _is_mechanical(candidate: Candidate) -> bool:
     return bool({domain.name for domain in domains} & MECHANICAL)
 
 
-def _is_steered(shape: Shape, place: str) -> bool:
-    """Return whether a curve is one of what is elsewhere: it is a factor then."""
-    return all(signal.place != place for signal in signals_in(shape.argument))
+def _is_commanded(shape: Shape, place: str) -> bool:
+    """Return whether a curve is one of the input's own command; else it is a factor."""
+    return any(signal.place == place for signal in signals_in(shape.argument))
