@@ -14,6 +14,7 @@ from bondgraph.physics.places.scales import Scales
 from bondgraph.physics.places.source import actuators
 from bondgraph.physics.relaxation import StoreAmid, StoreBehind
 from bondgraph.physics.thermal import TemperatureDependentResistance
+from bondgraph.physics.viscoelastic import RelaxingSpring
 from bondgraph.structure.domains import DOMAINS
 from bondgraph.structure.elements import Compliance, Inertance, Resistance
 from bondgraph.structure.signals import Signal, displacement, effort, f, flow
@@ -21,6 +22,7 @@ from bondgraph.structure.signals import Signal, displacement, effort, f, flow
 NO_TWINS = (
     StoreBehind,
     StoreAmid,
+    RelaxingSpring,
     InducedCurrent,
     DirectionDependentDamping,
     Drag,

@@ -159,6 +159,12 @@ CASES = [
     ),
     Case("two_tanks", "StoreAmid", "pipe", {"capacity_amid": 0.3}),
     Case(
+        "slider",
+        "RelaxingSpring",
+        "carriage",
+        {"relaxing_stiffness": 30.0, "relaxation_time": 0.2},
+    ),
+    Case(
         "dc_drive",
         "InducedCurrent",
         "winding",

@@ -48,6 +48,7 @@ from bondgraph.physics.relaxation import StoreAmid, StoreBehind
 from bondgraph.physics.sensing import SensorBias, SensorNonlinearity, SensorScale
 from bondgraph.physics.thermal import Radiation, TemperatureDependentResistance
 from bondgraph.physics.unknown import UnknownRelation
+from bondgraph.physics.viscoelastic import RelaxingSpring
 from bondgraph.physics.wiring import InputSwap, SensorSwap
 
 LIBRARY: tuple[AbstractPhysics, ...] = (
@@ -67,6 +68,7 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     AddedCompliance(),
     StoreBehind(),
     StoreAmid(),
+    RelaxingSpring(),
     InducedCurrent(),
     Leak(),
     Slip(),

@@ -218,6 +218,12 @@ SCENES: Mapping[str, Scene] = {
         across="effort(*)",
         up="displacement(*)",
     ),
+    "RelaxingSpring": Scene(
+        **{**_RINGING, "drive": {"force": _steps(2.0, 0.0, -2.0, 0.0, every=3.0)}},
+        across="displacement(carriage)",
+        values={"relaxing_stiffness": 50.0, "relaxation_time": 0.3},
+        seconds=12.0,
+    ),
     "InducedCurrent": Scene(
         machine=machines.winding,
         place="winding",
