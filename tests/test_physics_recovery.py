@@ -294,6 +294,7 @@ CASES = [
     Case("servo", "Saturation", "loop", {"upper_limit": 0.5}, 2),
     Case("slider", "DeadZone", "force", {"dead_zone": 0.3}),
     Case("two_tanks", "LostMotion", "pump", {"half_gap": 0.2}),
+    Case("slider", "LostMotion", "position", {"half_gap": 0.01}),
     Case("slider", "InputNonlinearity", "force", {"input_power": 0.6}),
     Case(
         "slider",
