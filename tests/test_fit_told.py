@@ -1,9 +1,12 @@
 """What ``bondgraph fit`` says beside the estimates: channels, bounds, steps."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from bondgraph.cli.fit_answer import _reaching_far
 from bondgraph.cli.program import program
 from bondgraph.fitting.certainty import combinations
 
@@ -101,3 +104,30 @@ def test_a_share_is_written_as_a_person_would(share, said):
 def test_a_fit_that_stops_early_says_what_to_do(told):
     said = told(10.0, 25, "--hold", "zero", "--iterations", "1", status=1)
     assert "--iterations" in said
+
+
+def test_much_more_than_noise_that_is_left_points_to_diagnose(tmp_path):
+    model, run = tmp_path / "cart.py", recorded(tmp_path / "run.csv", 25)
+
+    def said(text):
+        model.write_text(text, "utf-8")
+        words = ["fit", str(model), str(run), "--hold", "zero"]
+        return CliRunner().invoke(program, words, catch_exceptions=False).output
+
+    text = MODEL.replace("HIGH", "10.0").replace("START", "1.9")
+    bent = text.replace('R("viscous")', 'R("viscous", law=viscous * f**3)').replace(
+        "I, R, Se", 'I, R, Se, f\nimport sympy\nviscous = sympy.Symbol("viscous")'
+    )
+    hint = "in times its noise: velocity"
+    assert hint not in said(text)
+    assert hint in said(bent)
+
+
+def test_intervals_that_reach_far_say_why():
+    def words(high):
+        known = SimpleNamespace(value=1.0, std=0.1, interval=(0.8, high))
+        return list(_reaching_far(SimpleNamespace(estimates=(known,))))
+
+    assert not words(1.2)
+    (said,) = words(2.3)
+    assert "as far as 13 standard deviations" in said

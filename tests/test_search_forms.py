@@ -17,6 +17,7 @@ from bondgraph.diagnosis.search.trials.trying import FORMS
 from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model
+from bondgraph.fitting.horizon import WholeRecordings
 from bondgraph.physics.contact import Backlash
 from bondgraph.physics.dynamics import Delay
 from bondgraph.physics.modes import FlexibleMode
@@ -145,3 +146,20 @@ def test_a_store_behind_a_resistance_may_be_found_twice():
         found = (*found, *proposals)
         model = proposals[0].apply(model) if proposals else model
     assert len(set(found[0].parameters + found[1].parameters)) == 4
+
+
+@pytest.mark.parametrize(("rows", "curves"), [(11, False), (60, True)])
+def test_no_law_has_as_many_numbers_as_there_are_samples_to_spare(rows, curves):
+    g = BondGraph("discharge", domain="electrical")
+    g.zero("node", C("capacitor"), R("resistor"))
+    g.measure("voltage", effort="node")
+    g.parameter("capacitor", 2e-3, "F", bounds=(1e-3, 5e-3))
+    g.parameter("resistor", 5e4, "ohm", std=0.0)
+    model, time = g.finish(), np.linspace(0.0, 100.0, rows)
+    channels = {"voltage": (5.5 * np.exp(-time / 105.0), "V")}
+    run = bind_to(model, Recording.from_arrays("run", time, channels))
+    base = fit_model(model, [run], FitSettings(horizon=WholeRecordings()))
+    setting = Setting(base, [run], np.zeros(1), Options(), 1, (), curves=True)
+    laws = considered(setting)
+    assert any(one.physics == "constant_bias" for one in laws)
+    assert any(one.physics == "unknown_relation" for one in laws) is curves

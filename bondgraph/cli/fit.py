@@ -1,6 +1,6 @@
 """``bondgraph fit``: parameters with what is known of them afterwards."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import click
 
@@ -21,6 +21,7 @@ from bondgraph.cli.inputs import (
 )
 from bondgraph.cli.output_file import OutputFile
 from bondgraph.cli.reading_options import Reading, recording_options
+from bondgraph.cli.seen_noise import beyond_noise
 from bondgraph.cli.session import Session
 from bondgraph.cli.terminal import table_style
 from bondgraph.errors import FitError
@@ -121,16 +122,10 @@ def command(
         session.say()
     for words in (*known(result, whole, graph, bound), *read.notes):
         session.say(words)
-    problem = fitted.problem
-    if either_hold and problem.model.input_names and problem.model.n_states:
-        session.hint(hold_words(problem.hold, bound))
-    if result.status is FitStatus.ITERATION_LIMIT:
-        session.hint(NOT_CONVERGED)
-    if result.unidentifiable:
-        session.hint(
-            "What is known of a parameter beforehand may be said in the model: "
-            "with std=0.0 it stays at its value."
-        )
+    if either_hold:
+        _tell_hold(session, fitted, bound)
+    for words in _advice(result, whole, bound):
+        session.hint(words)
     with session.progress(loops=True) as progress:
         profiles = []
         for name in profiled:
@@ -144,6 +139,30 @@ def command(
         json_file, answer_json(result, whole, profiles, hold=fitted.problem.hold)
     )
     return 0 if result.status is FitStatus.CONVERGED else 1
+
+
+def _tell_hold(
+    session: Session, fitted: FittedModel, bound: Sequence[BoundRecording]
+) -> None:
+    problem = fitted.problem
+    if problem.model.input_names and problem.model.n_states:
+        session.hint(hold_words(problem.hold, bound))
+
+
+def _advice(
+    result: FitResult, whole: Score | None, bound: Sequence[BoundRecording]
+) -> Iterator[str]:
+    """Yield what to do about what the fit did not do."""
+    if result.status is FitStatus.ITERATION_LIMIT:
+        yield NOT_CONVERGED
+    beyond = beyond_noise((whole or result.score).rmse, bound)
+    if beyond is not None:
+        yield beyond
+    if result.unidentifiable:
+        yield (
+            "What is known of a parameter beforehand may be said in the model: "
+            "with std=0.0 it stays at its value."
+        )
 
 
 def _over_whole_recordings(

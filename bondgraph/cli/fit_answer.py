@@ -28,6 +28,9 @@ from bondgraph.structure.graph import FinishedGraph
 ADDS_UP = 3.0
 """Times the error over windows, from which the one over whole recordings is another."""
 
+FAR_REACHING = 4.0
+"""Standard deviations: 95 of 100 are within two, with many independent samples."""
+
 UNMOVED = 0.01
 """Of a standard deviation: what has moved by less has not moved."""
 
@@ -66,6 +69,7 @@ def known(
     yield from dict.fromkeys(note for one in bound for note in one.notes)
     yield from _pulled(result, graph)
     yield from _at_bounds(result)
+    yield from _reaching_far(result)
     for name, phi in result.correlation.items():
         yield f"Noise of {name}: neighbouring samples correlate by {phi:.3f}."
     for sentence in result.unidentifiable:
@@ -125,6 +129,22 @@ def _pulled(result: FitResult, graph: FinishedGraph) -> Iterator[str]:
     ]
     if told:
         yield f"Stated with a std, and how many of it away: {', '.join(told)}."
+
+
+def _reaching_far(result: FitResult) -> Iterator[str]:
+    """Yield why 95 % intervals are so much wider than standard deviations, if so."""
+    reaches = [
+        max(one.interval[1] - one.value, one.value - one.interval[0]) / one.std
+        for one in result.estimates
+        if one.interval and one.std
+    ]
+    if max(reaches, default=0.0) > FAR_REACHING:
+        yield (
+            "The 95 % intervals reach as far as "
+            f"{number_words(max(reaches), 2)} standard deviations: "
+            "neighbouring samples are left so alike that they tell the numbers like a "
+            "few independent ones."
+        )
 
 
 def _at_bounds(result: FitResult) -> Iterator[str]:

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from bondgraph.cli.seen_noise import white_noise
 from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.state_equations import State
 from bondgraph.fitting.simulate import Solution
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.names import join_header
-from bondgraph.recordings.noise import estimate_noise
 from bondgraph.recordings.own_units import own_unit
 from bondgraph.recordings.spread import spread
 from bondgraph.reporting.diagnosis_json import json_value
@@ -55,7 +55,7 @@ def found(
     solution: Solution, bound: BoundRecording, graph: FinishedGraph
 ) -> Iterator[str]:
     """Yield what came of it: errors, energy, events, and where it began."""
-    yield from _errors(solution, bound, _noise(bound))
+    yield from _errors(solution, bound, white_noise(bound))
     measure = "the standard deviation of what was measured"
     together = "Together that" if len(solution.output_names) > 1 else "That"
     yield f"{together} is {relative_error(solution.score, measure)}."
@@ -70,17 +70,6 @@ def advice(solution: Solution, bound: BoundRecording, *, whole: bool) -> Iterato
     """Yield what to do where a simulation of a whole recording is far off."""
     if whole and solution.score.nrmse > ASTRAY:
         yield FAR_OFF if bound.steady else STRETCHES
-
-
-def _noise(bound: BoundRecording) -> dict[str, float]:
-    """Return the noise of each output that is seen to be white: of others none is."""
-    if bound.steady:
-        return {}
-    columns = zip(bound.output_names, bound.outputs.T, strict=True)
-    seen = (
-        (n, estimate_noise(bound.time, x)) for n, x in columns if np.isfinite(x).any()
-    )
-    return {name: one.std for name, one in seen if one.white and one.std > 0.0}
 
 
 def _errors(

@@ -29,6 +29,9 @@ Array = NDArray[np.float64]
 NEARLY = 0.25
 """A law that promises this share of what it does at another place may be there."""
 
+SPARE = 2
+"""Samples that a law wants for each of its numbers, beside those of the model."""
+
 TWICE = 2
 """So many stores behind resistances of their own may be found at a place."""
 
@@ -90,22 +93,33 @@ def considered(setting: Setting) -> tuple[Hypothesis, ...]:
     ripple is finer than any curve. And a second delay on the only way from an input to
     a reading: few states draw a delay, and two of half the time do so more exactly. No
     law is added twice but a store behind a resistance: what spreads through a body or a
-    cell is a row of them.
+    cell is a row of them. And no law has as many numbers as there are samples to spare.
     """
     contacts = {name for one in setting.found for name in _contact_of(one)}
     drawn = {_variable_of(one) for one in setting.found if one.physics == CURVE}
     there = Counter(_as_told(one) for one in setting.found)
-    late = _is_late(setting)
+    late, most = _is_late(setting), _room(setting.base) / SPARE
     return tuple(
         one
         for one in propose_all(setting.base, setting.options.library)
         if (setting.curves or one.physics != CURVE)
+        and len(one.strengths) <= most
         and (setting.is_first or not one.is_slip)
         and (there[_as_told(one)] == 0 or _in_a_row(one, there[_as_told(one)], setting))
         and one.place not in contacts
         and not (late and one.physics == Delay.word)
         and (_variable_of(one) is None or _variable_of(one) not in drawn)
     )
+
+
+def _room(base: FittedModel) -> int:
+    """Return how many samples the numbers of the model and its beginnings leave free.
+
+    A law with as many numbers passes through every sample, whatever is missing.
+    """
+    problem = base.problem
+    begun = problem.shots.n_windows * problem.model.n_states
+    return int(problem.measured.sum()) - len(problem.free) - begun
 
 
 def _as_told(law: Hypothesis) -> tuple[str, str, str]:
