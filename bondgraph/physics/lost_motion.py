@@ -20,6 +20,9 @@ from bondgraph.structure.signals import Signal, displacement
 SHARES = (0.02, 0.07, 0.2)
 """Half gaps that fits start from, of the range of the signal."""
 
+READ = (0.03,)
+"""The same of what a sensor reads; no more, as every position has one."""
+
 SETTLING = 0.5
 """Of a sample: in such a time what acts is at the edge of the gap."""
 
@@ -51,7 +54,8 @@ class LostMotion(AbstractPhysics):
         if not (self.suits(place) if isinstance(place, InputPlace) else is_way(place)):
             return
         low, high = place.range
-        gaps = tuple(share * (high - low) for share in SHARES)
+        shares = SHARES if isinstance(place, InputPlace) else READ
+        gaps = tuple(share * (high - low) for share in shares)
         gap = place.shape("half_gap", place.channel_unit, gaps, low=0.0)
         within = place.constant("play_settling", "s", SETTLING * place.scales.step)
         name = place.name_of("followed")
