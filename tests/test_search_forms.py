@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bondgraph import BondGraph, C, I, R, Recording, Se, Sf, bind_to
-from bondgraph.diagnosis.candidates import Promised
+from bondgraph.diagnosis.candidates import CURVE, Promised, propose_all
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.search.considered import Setting, _is_late, considered
 from bondgraph.diagnosis.search.laws.fits import fit_remembering, fit_whatever
@@ -20,9 +20,11 @@ from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.fitting.horizon import WholeRecordings
 from bondgraph.physics.contact import Backlash
 from bondgraph.physics.dynamics import Delay
+from bondgraph.physics.load import LoadDependentFriction
 from bondgraph.physics.modes import FlexibleMode
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.position import Cogging
+from bondgraph.structure.edits import InsertElement
 
 STEP, WAVE, RIPPLE = 0.01, 120.0, 0.4
 
@@ -163,3 +165,24 @@ def test_no_law_has_as_many_numbers_as_there_are_samples_to_spare(rows, curves):
     laws = considered(setting)
     assert any(one.physics == "constant_bias" for one in laws)
     assert any(one.physics == "unknown_relation" for one in laws) is curves
+
+
+def test_no_curve_bends_what_a_law_has_hung_at_a_place():
+    graph = track()
+    pushed = np.sin(np.arange(200) / 9.0)
+    channels = {"force": (pushed, "N"), "position": (0.01 * pushed, "m")}
+    time = STEP * np.arange(200)
+    recording = Recording.from_arrays("run", time, channels)
+    run = bind_to(graph, recording)
+    base = fit_model(graph, [run], FitSettings(iterations=1))
+    laws = propose_all(base, [LoadDependentFriction()])
+    law = next(one for one in laws if isinstance(one.edit, InsertElement))
+    after = fit_model(law.apply(graph), [run], FitSettings(iterations=1))
+
+    def curves(found):
+        setting = Setting(after, [run], np.zeros(1), Options(), 2, found, curves=True)
+        return {one.place for one in considered(setting) if one.physics == CURVE}
+
+    hung = law.edit.element.name
+    assert hung in curves(())
+    assert curves(()) - curves((law,)) == {hung}

@@ -88,16 +88,18 @@ def considered(setting: Setting) -> tuple[Hypothesis, ...]:
 
     A wrong sign or unit shows before anything else. Beside a law that has been found it
     would only bend it: in a unit a thousand times larger every smooth edge is a sharp
-    one. So would a law at the contact of a play that has been found, or one of the very
-    variable of which a curve has been found there; not of a displacement, where a
-    ripple is finer than any curve. And a second delay on the only way from an input to
-    a reading: few states draw a delay, and two of half the time do so more exactly. No
-    law is added twice but a store behind a resistance: what spreads through a body or a
-    cell is a row of them. And no law has as many numbers as there are samples to spare.
+    one. So would a law at the contact of a play that has been found, a curve of what
+    another law has hung there, or one of the very variable of which a curve has been
+    found there; not of a displacement, where a ripple is finer than any curve. And a
+    second delay on the only way from an input to a reading: few states draw a delay,
+    and two of half the time do so more exactly. No law is added twice but a store
+    behind a resistance: what spreads through a body or a cell is a row of them. And no
+    law has as many numbers as there are samples to spare.
     """
     contacts = {name for one in setting.found for name in _contact_of(one)}
     drawn = {_variable_of(one) for one in setting.found if one.physics == CURVE}
     there = Counter(_as_told(one) for one in setting.found)
+    hung = {name for one in setting.found for name in _hung_by(one)}
     late, most = _is_late(setting), _room(setting.base) / SPARE
     return tuple(
         one
@@ -107,6 +109,7 @@ def considered(setting: Setting) -> tuple[Hypothesis, ...]:
         and (setting.is_first or not one.is_slip)
         and (there[_as_told(one)] == 0 or _in_a_row(one, there[_as_told(one)], setting))
         and one.place not in contacts
+        and not (one.physics == CURVE and one.place in hung)
         and not (late and one.physics == Delay.word)
         and (_variable_of(one) is None or _variable_of(one) not in drawn)
     )
@@ -120,6 +123,14 @@ def _room(base: FittedModel) -> int:
     problem = base.problem
     begun = problem.shots.n_windows * problem.model.n_states
     return int(problem.measured.sum()) - len(problem.free) - begun
+
+
+def _hung_by(law: Hypothesis) -> tuple[str, ...]:
+    """Return the element that a law has hung at its place, if it has hung one."""
+    match law.edit:
+        case InsertElement(element=element):
+            return (element.name,)
+    return ()
 
 
 def _as_told(law: Hypothesis) -> tuple[str, str, str]:
