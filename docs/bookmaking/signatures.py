@@ -38,7 +38,7 @@ def _axes(across: str, up: str):  # type: ignore[no-untyped-def]
     from matplotlib.figure import Figure  # noqa: PLC0415
 
     figure = Figure(figsize=(4.0, 2.7))
-    axes = figure.add_axes((0.17, 0.19, 0.8, 0.77))
+    axes = figure.add_axes((0.2, 0.19, 0.77, 0.77))
     axes.set(xlabel=across, ylabel=up)
     axes.patch.set_alpha(0.0)
     axes.tick_params(colors=INK)
