@@ -122,8 +122,9 @@ def command(
         session.say()
     for words in (*known(result, whole, graph, bound), *read.notes):
         session.say(words)
-    if either_hold:
-        _tell_hold(session, fitted, bound)
+    problem = fitted.problem
+    if either_hold and problem.model.input_names and problem.model.n_states:
+        session.hint(hold_words(problem.hold, bound))
     for words in _advice(result, whole, bound):
         session.hint(words)
     with session.progress(loops=True) as progress:
@@ -139,14 +140,6 @@ def command(
         json_file, answer_json(result, whole, profiles, hold=fitted.problem.hold)
     )
     return 0 if result.status is FitStatus.CONVERGED else 1
-
-
-def _tell_hold(
-    session: Session, fitted: FittedModel, bound: Sequence[BoundRecording]
-) -> None:
-    problem = fitted.problem
-    if problem.model.input_names and problem.model.n_states:
-        session.hint(hold_words(problem.hold, bound))
 
 
 def _advice(

@@ -74,6 +74,11 @@ class FitProblem:
         count: NDArray[np.int64] = self.shots.known.sum(axis=0)
         return np.maximum(count, 1)
 
+    @property
+    def unknowns(self) -> int:
+        """How many numbers it fits: parameters, and where every window begins."""
+        return len(self.free) + self.shots.n_windows * self.model.n_states
+
     def with_parameters(self, theta: Array) -> Array:
         """Return all parameter values with the free ones set to `theta`."""
         # A start given in whole numbers must not round what is fitted.

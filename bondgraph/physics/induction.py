@@ -10,11 +10,9 @@ from collections.abc import Iterator
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import F, P, Place
 from bondgraph.physics.places.junction import OneJunctionPlace
-from bondgraph.physics.relaxation import size_to_fill, time_to_fill
+from bondgraph.physics.relaxation import bridged, size_to_fill, time_to_fill
 from bondgraph.structure.domains import ELECTRICAL
-from bondgraph.structure.edits import InsertElement, LoosenBond, SeveralEdits
 from bondgraph.structure.elements import Inertance, Resistance
-from bondgraph.structure.graph import Bond
 from bondgraph.structure.signals import f, p
 
 
@@ -43,11 +41,6 @@ class InducedCurrent(AbstractPhysics):
         part = Inertance(f"{loop}_part", law=p / shared.symbol)
         loss = Resistance(f"{loop}_losses", law=shared.symbol / tau.symbol * f)
         added = (shared.parameter, tau.parameter)
-        edit = SeveralEdits(
-            (
-                InsertElement(place.name, part, added[:1]),
-                LoosenBond(Bond(place.name, part.name), loop, (loss,), added),
-            )
-        )
+        edit = bridged(place, part, loop, loss, added)
         words = "a current that is induced nearby: eddies, or a shorted turn"
         yield self.hypothesis(place, edit, part.law, (shared, tau), words)

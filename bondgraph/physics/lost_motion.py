@@ -27,7 +27,7 @@ SETTLING = 0.5
 """Of a sample: in such a time what acts is at the edge of the gap."""
 
 
-def is_way(place: ChannelPlace) -> bool:
+def _is_way(place: ChannelPlace) -> bool:
     """Return whether a sensor reads a displacement of parts that move."""
     read = place.signal
     if not isinstance(read, Signal) or read.quantity is not Q:
@@ -51,19 +51,19 @@ class LostMotion(AbstractPhysics):
         """Yield it for inputs that a linkage moves, and for readings of positions."""
         if not isinstance(place, ChannelPlace) or place.is_constant:
             return
-        if not (self.suits(place) if isinstance(place, InputPlace) else is_way(place)):
+        acts = isinstance(place, InputPlace)
+        if not (self.suits(place) if acts else _is_way(place)):
             return
         low, high = place.range
-        shares = SHARES if isinstance(place, InputPlace) else READ
+        shares = SHARES if acts else READ
         gaps = tuple(share * (high - low) for share in shares)
         gap = place.shape("half_gap", place.channel_unit, gaps, low=0.0)
         within = place.constant("play_settling", "s", SETTLING * place.scales.step)
         name = place.name_of("followed")
         ahead = place.signal - displacement(name)
         state = SignalState(name, beyond(ahead, gap.symbol) / within.symbol)
-        law, how = state.value, "acts"
-        if not isinstance(place, InputPlace):
-            law, how = law + beyond(ahead, gap.symbol), "reads"
+        law = state.value if acts else state.value + beyond(ahead, gap.symbol)
+        how = "acts" if acts else "reads"
         words = f"{place.name} {how} through play: inside a gap nothing follows it"
         edit = place.become(law, gap, within, states=(state,), nested=False)
         yield self.hypothesis(place, edit, law, (gap, within), words)

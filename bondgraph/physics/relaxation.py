@@ -33,8 +33,9 @@ from bondgraph.structure.edits import (
     ReplaceRelation,
     SeveralEdits,
 )
-from bondgraph.structure.elements import Compliance, Junction, Resistance
+from bondgraph.structure.elements import Compliance, Junction, OnePort, Resistance
 from bondgraph.structure.graph import Bond
+from bondgraph.structure.parameters import Parameter
 from bondgraph.structure.renaming import Renaming
 from bondgraph.structure.signals import f, parameter_symbol, q, signals_in
 
@@ -106,14 +107,7 @@ class StoreBehind(AbstractPhysics):
         loss = Resistance(place.name_of("slow_loss"), law=r.symbol * f)
         store = Compliance(place.name_of("slow_store"), law=r.symbol / tau.symbol * q)
         added = (r.parameter, tau.parameter)
-        edit = SeveralEdits(
-            (
-                InsertElement(place.name, loss, added[:1]),
-                LoosenBond(
-                    Bond(place.name, loss.name), place.name_of("slow"), (store,), added
-                ),
-            )
-        )
+        edit = bridged(place, loss, place.name_of("slow"), store, added)
         words = "a voltage that builds up with the current in time: polarisation"
         yield self.hypothesis(place, edit, loss.law, (r, tau), words)
 
@@ -165,6 +159,30 @@ class StoreAmid(AbstractPhysics):
             "electrical": "a capacity amid it",
         }.get(place.domain.name, "a volume amid it that gives way")
         yield self.hypothesis(place, edit, store.law, (c,), what)
+
+
+def bridged(
+    place: OneJunctionPlace,
+    part: OnePort,
+    name: str,
+    bridge: OnePort,
+    added: tuple[Parameter, Parameter],
+) -> SeveralEdits:
+    """Return the edit that hangs a part at a place with another one across it.
+
+    What flows divides between the two; their effort is one, at a 0-junction `name`.
+
+    Parameters
+    ----------
+    added
+        The number of the part alone, and the one beside it that the bridge has.
+    """
+    return SeveralEdits(
+        (
+            InsertElement(place.name, part, added[:1]),
+            LoosenBond(Bond(place.name, part.name), name, (bridge,), added),
+        )
+    )
 
 
 def size_to_fill(

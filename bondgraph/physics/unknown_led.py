@@ -5,11 +5,12 @@ of it follows what leads it, or goes with what its law already makes of that.
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import sympy
 
+from bondgraph.physics.bends import Knots
 from bondgraph.physics.curves import drawn, even
 from bondgraph.physics.hypothesis import Form, Hypothesis, Make, Shape
 from bondgraph.physics.places.base import Coefficient, E, F
@@ -29,13 +30,13 @@ def forms_of_led(
 ) -> Iterator[Form]:
     """Yield what makes each curve that something elsewhere has a part in."""
     assert isinstance(place.element, Resistance)
-    if is_led(place.element):
+    if _is_led(place.element):
         yield partial(_led, make, place, smooth)
     for channel in _elsewhere(place):
         yield partial(_steered, make, place, channel, smooth)
 
 
-def is_led(element: Resistance) -> bool:
+def _is_led(element: Resistance) -> bool:
     """Return whether its law follows something elsewhere: the coil of a brake, a valve.
 
     What is wrong of the law grows with that too, and no curve beside it tells it.
@@ -45,30 +46,62 @@ def is_led(element: Resistance) -> bool:
     return bool(signals & own) and any(isinstance(s, Signal) for s in signals - own)
 
 
+@dataclass(frozen=True, slots=True)
+class _Along:
+    """What a factor of a law goes along: its symbol there, and what is drawn of it."""
+
+    stem: str
+    symbol: sympy.Symbol
+    shown: Signal
+    name: str
+    unit: str
+    size: float
+    knots: Knots
+
+
 def _led(make: Make, place: ElementPlace, smooth: Smooth | None) -> Hypothesis:
-    """Make a resistance that something leads a curve of its own flow, or effort, too.
+    """Make a resistance that something leads a curve of its own flow or effort too."""
+    local = f if place.usual_law.has(f) else e
+    quantity, size = (F, place.flow) if local is f else (E, place.effort)
+    (junction,), (bond,) = place.junctions, place.graph.bonds_at(place.name)
+    shared = place.is_one_junction(junction) == (local is f)
+    met = junction if shared else bond.name
+    knots = even(place.scales.range_of(f"{quantity}({met})", size), size)
+    own, name = Signal(quantity, place.name), place.domain.word(quantity)
+    along = _Along("curve", local, own, name, place.unit(quantity), size, knots)
+    return _multiplied(make, place, along, smooth)
+
+
+def _steered(
+    make: Make, place: ElementPlace, channel: ChannelPlace, smooth: Smooth | None
+) -> Hypothesis:
+    """Make a resistance a curve of something that is recorded elsewhere."""
+    signal, name = channel.signal, channel.name
+    assert isinstance(signal, Signal)
+    knots, unit = even(channel.range, channel.peak, STEERED), channel.channel_unit
+    stem = f"curve_{name}"
+    along = _Along(stem, signal, signal, name, unit, channel.peak, knots)
+    return _multiplied(make, place, along, smooth)
+
+
+def _multiplied(
+    make: Make, place: ElementPlace, along: _Along, smooth: Smooth | None
+) -> Hypothesis:
+    """Multiply the law of a resistance by a curve.
 
     Its own numbers are in the curve: beside one, only their product shows.
     """
     usual, own = _as_it_is(place)
-    local = f if usual.has(f) else e
-    quantity, typical = (F, place.flow) if local is f else (E, place.effort)
-    (junction,), (bond,) = place.junctions, place.graph.bonds_at(place.name)
-    shared = place.is_one_junction(junction) == (local is f)
-    met = junction if shared else bond.name
-    visited = place.scales.range_of(f"{quantity}({met})", typical)
-    width = place.constant(f"curve_{quantity}", place.unit(quantity), typical)
-    knots, x = even(visited, typical), local / width.symbol
-    curve, heights = drawn(place, "curve", "1", x, knots, smooth)
-    name, unit = place.domain.word(quantity), place.unit(quantity)
-    law = usual * (1 + curve)
-    words = f"{place.name} changes with {name}"
+    width = place.constant(f"{along.stem}_width", along.unit, along.size)
+    x = along.symbol / width.symbol
+    curve, heights = drawn(place, along.stem, "1", x, along.knots, smooth)
+    law, factor = usual * (1 + curve), 1 + curve.subs(along.symbol, along.shown)
     edit = place.replace(law, *heights, width, *own)
+    words = f"{place.name} changes with {along.name}"
     found = make(place, edit, law, heights, words, also=place.junctions)
-    through = Signal(quantity, place.name)
-    ratio = (1 + curve).subs(local, through)
-    shape = Shape(through, name, unit, ratio, _called(usual), "1", multiplies=True)
-    return replace(found, shape=shape)
+    called = f"{'resistance' if usual.has(f) else 'conductance'} to its usual"
+    given = (along.shown, along.name, along.unit)
+    return replace(found, shape=Shape(*given, factor, called, "1", multiplies=True))
 
 
 def _elsewhere(place: ElementPlace) -> Iterator[ChannelPlace]:
@@ -102,34 +135,6 @@ def _elsewhere(place: ElementPlace) -> Iterator[ChannelPlace]:
         known.add(signal)
         if signal.place not in beside:
             yield channel
-
-
-def _steered(
-    make: Make, place: ElementPlace, channel: ChannelPlace, smooth: Smooth | None
-) -> Hypothesis:
-    """Make a resistance a curve of something that is recorded elsewhere.
-
-    Its own numbers are in the curve: beside one, only their product shows.
-    """
-    size = channel.peak
-    usual, own = _as_it_is(place)
-    stem = f"curve_{channel.name}"
-    knots = even(channel.range, size, STEERED)
-    width = place.constant(f"{stem}_width", channel.channel_unit, size)
-    x = channel.signal / width.symbol
-    curve, heights = drawn(place, stem, "1", x, knots, smooth)
-    law = usual * (1 + curve)
-    words = f"{place.name} changes with {channel.name}"
-    edit = place.replace(law, *heights, width, *own)
-    found = make(place, edit, law, heights, words, also=place.junctions)
-    steering = (channel.signal, channel.name, channel.channel_unit)
-    shape = Shape(*steering, 1 + curve, _called(usual), "1", multiplies=True)
-    return replace(found, shape=shape)
-
-
-def _called(law: sympy.Expr) -> str:
-    """Return what a factor of the law of a resistance is: an effort of f, or a flow."""
-    return f"{'resistance' if law.has(f) else 'conductance'} to its usual"
 
 
 def _as_it_is(place: ElementPlace) -> tuple[sympy.Expr, list[Coefficient]]:

@@ -11,10 +11,8 @@ from collections.abc import Iterator
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import MECHANICAL, E, Place, Q
 from bondgraph.physics.places.junction import OneJunctionPlace
-from bondgraph.physics.relaxation import FASTEST, size_to_fill
-from bondgraph.structure.edits import InsertElement, LoosenBond, SeveralEdits
+from bondgraph.physics.relaxation import FASTEST, bridged, size_to_fill
 from bondgraph.structure.elements import Compliance, Resistance
-from bondgraph.structure.graph import Bond
 from bondgraph.structure.signals import f, q
 
 TIMES = (1.0, 0.2, 5.0)
@@ -49,11 +47,6 @@ class RelaxingSpring(AbstractPhysics):
         spring = Compliance(f"{behind}_spring", law=stiff.symbol * q)
         damper = Resistance(f"{behind}_damper", law=stiff.symbol * tau.symbol * f)
         added = (stiff.parameter, tau.parameter)
-        edit = SeveralEdits(
-            (
-                InsertElement(place.name, spring, added[:1]),
-                LoosenBond(Bond(place.name, spring.name), behind, (damper,), added),
-            )
-        )
+        edit = bridged(place, spring, behind, damper, added)
         words = "a second spring behind a damper: a part of the stiffness relaxes"
         yield self.hypothesis(place, edit, spring.law, (stiff, tau), words)

@@ -99,8 +99,11 @@ def considered(setting: Setting) -> tuple[Hypothesis, ...]:
     contacts = {name for one in setting.found for name in _contact_of(one)}
     drawn = {_variable_of(one) for one in setting.found if one.physics == CURVE}
     there = Counter(_as_told(one) for one in setting.found)
-    hung = {name for one in setting.found for name in _hung_by(one)}
-    late, most = _is_late(setting), _room(setting.base) / SPARE
+    hung = {o.element for o in setting.found if isinstance(o.edit, InsertElement)}
+    # A law with as many numbers passes through every sample, whatever is missing.
+    problem = setting.base.problem
+    most = (int(problem.measured.sum()) - problem.unknowns) / SPARE
+    late = _is_late(setting)
     return tuple(
         one
         for one in propose_all(setting.base, setting.options.library)
@@ -113,24 +116,6 @@ def considered(setting: Setting) -> tuple[Hypothesis, ...]:
         and not (late and one.physics == Delay.word)
         and (_variable_of(one) is None or _variable_of(one) not in drawn)
     )
-
-
-def _room(base: FittedModel) -> int:
-    """Return how many samples the numbers of the model and its beginnings leave free.
-
-    A law with as many numbers passes through every sample, whatever is missing.
-    """
-    problem = base.problem
-    begun = problem.shots.n_windows * problem.model.n_states
-    return int(problem.measured.sum()) - len(problem.free) - begun
-
-
-def _hung_by(law: Hypothesis) -> tuple[str, ...]:
-    """Return the element that a law has hung at its place, if it has hung one."""
-    match law.edit:
-        case InsertElement(element=element):
-            return (element.name,)
-    return ()
 
 
 def _as_told(law: Hypothesis) -> tuple[str, str, str]:

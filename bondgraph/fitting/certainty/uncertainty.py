@@ -74,7 +74,7 @@ def uncertainty(problem: FitProblem, optimum: Optimum) -> Uncertainty:
     colours = _colours(problem, errors, nq)
     scores = _scores(problem, optimum, colours)
     count = int(problem.measured.sum())
-    variance = float((errors**2).sum()) / float(max(count - _unknowns(problem), 1))
+    variance = float((errors**2).sum()) / float(max(count - problem.unknowns, 1))
     curved = mean_curvature(problem.loss, whitened_squares(problem, optimum))
     hessian: Array = np.float64(curved) * scores.squared + np.diag(weight**2)
     inverse = truncated_inverse(hessian, FLAT)
@@ -117,11 +117,6 @@ def _with_diagonal(covariance: Array, std: Array) -> Array:
     return (scaled + scaled.T) / 2
 
 
-def _unknowns(problem: FitProblem) -> int:
-    """Return how many numbers were fitted: parameters and initial states."""
-    return len(problem.free) + problem.shots.n_windows * problem.model.n_states
-
-
 def whitened_squares(problem: FitProblem, optimum: Optimum) -> Array:
     """Return the squared whitened residuals of what was measured."""
     measured = np.isfinite(problem.shots.outputs)
@@ -146,7 +141,7 @@ def _whitened(problem: FitProblem, optimum: Optimum) -> Array:
 
 def _colours(problem: FitProblem, errors: Array, nq: int) -> tuple[Colour, ...]:
     """Return the colour of each output's residuals, scaled to what was measured."""
-    fitted = _unknowns(problem) / len(problem.sigma)
+    fitted = problem.unknowns / len(problem.sigma)
     found = []
     for column, measured in zip(errors.T, problem.measured, strict=True):
         share = len(column) / int(measured)
