@@ -4,7 +4,19 @@ import numpy as np
 import pytest
 import sympy
 
-from bondgraph import GY, BondGraph, FitSettings, I, R, Recording, Se, bind_to, f
+from bondgraph import (
+    GY,
+    BondGraph,
+    C,
+    FitSettings,
+    I,
+    R,
+    Recording,
+    Se,
+    bind_to,
+    e,
+    f,
+)
 from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.evidence.proportion import known_in_proportion
 from bondgraph.diagnosis.records import Verdict
@@ -90,6 +102,43 @@ def test_nothing_is_where_the_model_leaves_none_open():
 @pytest.mark.parametrize("exact", [False, True])
 def test_nothing_is_where_only_a_sum_shows(exact):
     assert proportion(R("second"), exact=exact) == {}
+
+
+def tank(hole, *, known=False):
+    """Return a tank that empties through a hole."""
+    graph = BondGraph("tank", domain="hydraulic")
+    graph.zero("water", C("area"), hole)
+    graph.measure("level", effort="water")
+    graph.parameter("area", 0.7, "m^3/Pa", **({"std": 0.0} if known else {}))
+    if hole.law is None:
+        graph.parameter("hole", 9.0, "Pa*s/m^3")
+    else:
+        for symbol in sorted(hole.law.free_symbols - {e}, key=str):
+            graph.parameter(symbol.name, 1.2, bounds=(1e-3, 1e3))
+    return graph.finish()
+
+
+def emptied(hole, **stated):
+    """Return what is known in proportion where a hole is no longer a linear one."""
+    sunk = (3.0 - 0.1 * np.linspace(0.0, 20.0, 400)) ** 2
+    read = sunk + 1e-3 * np.random.default_rng(4).standard_normal(sunk.size)
+    recording = Recording.from_arrays(
+        "run", np.linspace(0.0, 20.0, 400), {"level": (read, "Pa")}
+    )
+    graphs = (tank(R("hole", law=hole), **stated), tank(R("hole"), **stated))
+    return known_in_proportion(
+        *(fit_model(g, [bind_to(g, recording)], HELD) for g in graphs)
+    )
+
+
+def test_a_law_that_replaces_a_number_is_known_in_the_same_proportion():
+    through, twice = sympy.Symbol("through"), sympy.Symbol("twice")
+    found = emptied(through * sympy.sqrt(e))
+    assert found.keys() == {"area", "through"}
+    assert 0.0 < found["through"] < 0.1
+    assert emptied(through * sympy.sqrt(e), known=True) == {}
+    # Two numbers of which only the product shows are more open than the model was.
+    assert emptied(through * twice * sympy.sqrt(e)) == {}
 
 
 def test_dry_friction_is_sure_where_no_torque_is_known():

@@ -37,15 +37,15 @@ def known_in_proportion(final: FittedModel, base: FittedModel) -> dict[str, floa
     base
         The model without additions, fitted to the same recordings.
     """
-    names = final.problem.free_names
-    if not set(names) >= set(base.problem.free_names):
-        return {}
-    own = [names.index(name) for name in base.problem.free_names]
+    names, before = final.problem.free_names, base.problem.free_names
+    both = [name for name in before if name in names]  # A law may replace a number.
     free, errors = _open_scales(final)
-    shared = free[:, own]
+    shared = free[:, [names.index(name) for name in both]]
     if not len(free) or np.linalg.matrix_rank(shared, tol=BEYOND) < len(shared):
         return {}
-    scales, _ = np.linalg.qr(_open_scales(base)[0].T)
+    opened = _open_scales(base)[0][:, [before.index(name) for name in both]]
+    _, sizes, rows = np.linalg.svd(opened, full_matrices=False)
+    scales = rows[sizes > BEYOND].T
     shared = shared / np.linalg.norm(shared, axis=1, keepdims=True)
     if np.abs(shared - shared @ scales @ scales.T).max() > BEYOND:
         return {}
