@@ -18,8 +18,8 @@ from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.state_equations import State
 from bondgraph.fitting.estimate import FittedModel, pose, prepare
 from bondgraph.fitting.horizon import Horizon, cut
-from bondgraph.fitting.problem import truncated_inverse
 from bondgraph.fitting.settling import settle
+from bondgraph.fitting.truncated_inverse import truncated_inverse
 from bondgraph.numeric.model import compile_model
 from bondgraph.physics.places.base import ELECTRIC
 from bondgraph.physics.places.displacements import known_displacement

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from bondgraph.fitting.loss import Loss, SquaredError, cost_of, weight_of
 from bondgraph.fitting.noise import whitened
 from bondgraph.fitting.overflow import without_overflow
+from bondgraph.fitting.truncated_inverse import truncated_inverse
 from bondgraph.numeric.model import NumericModel
 from bondgraph.simulation.shooting import Shooting, Shots, shoot
 from bondgraph.simulation.solvers import Hold, Solver
@@ -309,31 +310,3 @@ def prior_residuals(problem: FitProblem, theta: Array) -> tuple[Array, Array]:
     """Return the residuals of the prior knowledge and their weights 1/std."""
     weight = 1.0 / problem.prior_std[problem.free]
     return (problem.start[problem.free] - theta) * weight, weight
-
-
-TINY = 1e-75
-"""A direction of a smaller scale moves nothing: the inverse of its square is no number
-that anything could be multiplied by.
-"""
-
-
-def truncated_inverse(matrix: Array, tolerance: float = 1e-13) -> Array:
-    """Return the pseudo-inverse of symmetric matrices (…, n, n), diagonals scaled.
-
-    Directions whose scaled eigenvalue is below `tolerance` of the largest are left out,
-    so that what the data do not determine is not moved.
-    """
-    if matrix.shape[-1] == 0:
-        return matrix
-    diagonal = np.einsum("...ii->...i", matrix)
-    scale = np.sqrt(np.maximum(diagonal, 0.0))
-    moves = scale >= TINY
-    scale = np.where(moves, scale, 1.0)
-    outer = scale[..., :, None] * scale[..., None, :]
-    both = moves[..., :, None] & moves[..., None, :]
-    values, vectors = np.linalg.eigh(np.where(both, matrix / outer, 0.0))
-    keep = values > tolerance * np.maximum(values[..., -1:], 1e-300)
-    inverse_values = np.where(keep, 1.0 / np.where(keep, values, 1.0), 0.0)
-    inverse = (vectors * inverse_values[..., None, :]) @ np.swapaxes(vectors, -1, -2)
-    result: Array = inverse / outer
-    return result

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from bondgraph.fitting.kalman.filter_setting import Filtered, Setting, Unknowns
 from bondgraph.fitting.kalman.filtering import filtered
-from bondgraph.fitting.problem import FitProblem, truncated_inverse
+from bondgraph.fitting.problem import FitProblem
+from bondgraph.fitting.truncated_inverse import truncated_inverse
 
 Array = NDArray[np.float64]
 ITERATIONS = 40

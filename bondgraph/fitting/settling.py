@@ -13,10 +13,10 @@ from bondgraph.fitting.problem import (
     FitProblem,
     Linearisation,
     linearise_windows,
-    truncated_inverse,
     write_windows,
 )
 from bondgraph.fitting.steps import damped
+from bondgraph.fitting.truncated_inverse import truncated_inverse
 
 Array = NDArray[np.float64]
 SETTLED = 1e-6

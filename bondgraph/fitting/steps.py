@@ -13,8 +13,8 @@ from bondgraph.fitting.problem import (
     FitProblem,
     Linearisation,
     prior_residuals,
-    truncated_inverse,
 )
+from bondgraph.fitting.truncated_inverse import truncated_inverse
 
 Array = NDArray[np.float64]
 

@@ -116,7 +116,7 @@ def run_native(
             )
 
     _share(simulate, len(run.done), n if explicit else IMPLICIT_STEP * n)
-    for window in np.flatnonzero(run.done < np.diff(windows.edges)):
+    for window in np.flatnonzero(run.done < windows.edges[1:] - windows.edges[:-1]):
         left = slice(
             windows.edges[window] + run.done[window], windows.edges[window + 1]
         )

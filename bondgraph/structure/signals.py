@@ -154,13 +154,13 @@ def canonical(expression: object) -> sympy.Expr:
     """
     sympified = as_expression(expression)
     by_name = {symbol.name: symbol for symbol in (*PORT_VARIABLES, t)}
-    return sympified.xreplace(
-        {
-            symbol: by_name.get(symbol.name, parameter_symbol(symbol.name))
-            for symbol in sympified.free_symbols
-            if not isinstance(symbol, Signal | PortVariable)
-        }
-    )
+    twins = {
+        symbol: by_name.get(symbol.name, parameter_symbol(symbol.name))
+        for symbol in sympified.free_symbols
+        if not isinstance(symbol, Signal | PortVariable)
+    }
+    strangers = {symbol: twin for symbol, twin in twins.items() if twin != symbol}
+    return sympified.xreplace(strangers)
 
 
 def signals_in(expression: sympy.Expr) -> tuple[Signal, ...]:

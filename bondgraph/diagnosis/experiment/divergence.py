@@ -19,8 +19,8 @@ from bondgraph.fitting.noise import lag_one
 from bondgraph.fitting.problem import (
     linearise_windows,
     reduced_hessian,
-    truncated_inverse,
 )
+from bondgraph.fitting.truncated_inverse import truncated_inverse
 from bondgraph.numeric.model import NumericModel
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.simulation.shooting import Shots, shoot

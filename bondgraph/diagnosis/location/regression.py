@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.virtual.chain import Chain
-from bondgraph.fitting.problem import truncated_inverse
+from bondgraph.fitting.truncated_inverse import truncated_inverse
 
 Array = NDArray[np.float64]
 CHUNKS, FOLDS = 24, 6

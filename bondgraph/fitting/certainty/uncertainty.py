@@ -29,8 +29,8 @@ from bondgraph.fitting.problem import (
     Part,
     parts,
     prior_residuals,
-    truncated_inverse,
 )
+from bondgraph.fitting.truncated_inverse import truncated_inverse
 
 Array = NDArray[np.float64]
 MOST_BLOCKS, LEAST_BLOCKS = 20, 6

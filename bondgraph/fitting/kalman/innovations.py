@@ -25,10 +25,11 @@ from bondgraph.fitting.certainty.whiteness import ljung_box
 from bondgraph.fitting.kalman.filter_setting import Setting
 from bondgraph.fitting.kalman.filter_start import best_noise, filter_starts
 from bondgraph.fitting.kalman.kalman_choices import Extended, KalmanFilter
-from bondgraph.fitting.problem import FitProblem, truncated_inverse
+from bondgraph.fitting.problem import FitProblem
 from bondgraph.fitting.result import Estimate
 from bondgraph.fitting.scoring import Climbed, climb
 from bondgraph.fitting.settings import FitSettings
+from bondgraph.fitting.truncated_inverse import truncated_inverse
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.recordings.model_channels import matched
 from bondgraph.structure.graph import FinishedGraph

@@ -36,10 +36,10 @@ def integrate_explicit(  # noqa: C901, PLR0912  (a compiled loop)
     v = variables(system, parameters)
     clock = system.n_variables - 1
     j = np.zeros(max(nx, system.ny, 1) * system.n_columns + 1)
-    wide = max(-(-n // ABREAST), 1) * ABREAST
+    wide = (n // ABREAST + 1) * ABREAST
     d = np.zeros((nx, wide))
     own = np.zeros((len(NODES) * nx, wide))
-    where = np.zeros(system.n_parameters, dtype=np.int64)
+    where = np.full(system.n_parameters, n)  # Past all, where nobody looks.
     dw = np.zeros((nx, max(n, 1)))
     for i in range(nx):
         v[i] = x0[i]

@@ -19,6 +19,11 @@ from bondgraph.numeric.native.step import Sizes, step
 from bondgraph.numeric.native.step_tangents import step_tangents
 from bondgraph.numeric.tape import Tape
 
+FEW = 8
+"""Along so few parameters slopes are written whichever are asked for: a fit asks for
+some, all and none in turn, and to compile for each takes longer than they do.
+"""
+
 
 class NativeSystem(NamedTuple):
     """Addresses and sizes; variables are x, ẋ, z, u, u̇, p, t, then results.
@@ -97,6 +102,9 @@ def native_model(
         Whether code that is a little faster is worth waiting for.
     """
     wanted = None if along is None else frozenset(int(k) for k in along)
+    everything = range(len(model.parameter_names))
+    if len(everything) <= FEW and not (explicit and wanted is None):
+        wanted = frozenset(everything)
     return _native(model, wanted, explicit, lanes, optimised)
 
 
@@ -124,6 +132,7 @@ def _native(
         along,
         lanes,
         optimised,
+        model.instantaneous,
     )
     system = NativeSystem(
         values=code["values"],
@@ -154,15 +163,17 @@ def _compiled(
     along: frozenset[int] | None,
     lanes: int,
     optimised: bool,
+    instantaneous: bool,
 ) -> NativeCode:
     rates, read = dynamics.tape(), output.tape()
-    functions = [values_of(rates, "values", lanes)]
-    if along is not None or sizes is None:
+    functions = []
+    if sizes is None or along is None:
+        functions.append(values_of(rates, "values", lanes))
+        functions.append(values_of(read, "read", lanes))
+    if sizes is None or (along is not None and instantaneous):
         functions.append(slopes_of(rates, "slopes", columns))
     if along is not None:
         functions.append(slopes_of(read, "read_slopes", columns))
-    else:
-        functions.append(values_of(read, "read", lanes))
     if sizes is not None:
         moved = None if along is None else step_tangents(rates, sizes, along)
         functions.append(moved or step(rates, sizes, lanes))

@@ -27,10 +27,10 @@ def step_tangents(tape: Tape, sizes: Sizes, along: Collection[int]) -> Function:
 
     ``void step_tangents(double *v, double *d, double *own, int64 *where, int64 stride,
     int64 n)``: ``d[i * stride + m]`` is the tangent of state i along direction m;
-    parameter k among `along` is the direction ``where[k]``, and those that are not
-    count as zero. ``own`` is scratch, zero at first: in row ``stage * n_states + i``
-    the slopes of ẋᵢ along parameters. `ABREAST` directions are followed at a time,
-    beyond n as well: the stride has room for them.
+    parameter k among `along` is the direction ``where[k]``, n where it is none, and
+    those that are not among them count as zero. ``own`` is scratch, zero at first: in
+    row ``stage * n_states + i`` the slopes of ẋᵢ along parameters. `ABREAST` directions
+    are followed at a time, beyond n as well: the stride is more than n.
     """
     code = Assembly()
     first = sizes.first_parameter

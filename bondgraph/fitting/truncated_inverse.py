@@ -1,0 +1,53 @@
+"""Inverses of normal equations, less what the data do not determine."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+TINY = 1e-75
+"""A direction of a smaller scale moves nothing: the inverse of its square is no number
+that anything could be multiplied by.
+"""
+
+SMALL = 6
+"""Matrices of so many rows are turned by compiled rotations; larger ones by LAPACK."""
+
+
+def truncated_inverse(matrix: Array, tolerance: float = 1e-13) -> Array:
+    """Return the pseudo-inverse of symmetric matrices (…, n, n), diagonals scaled.
+
+    Directions whose scaled eigenvalue is below `tolerance` of the largest are left out,
+    so that what the data do not determine is not moved; nor is anything by a matrix
+    whose numbers are not all finite.
+    """
+    n = matrix.shape[-1]
+    if matrix.size == 0:
+        return matrix
+    if n > SMALL:
+        return _by_lapack(matrix, tolerance)
+    from bondgraph.numeric.compiled.pseudo_inverse import (  # noqa: PLC0415  (numba)
+        pseudo_inverses,
+    )
+
+    stack = np.ascontiguousarray(matrix, dtype=np.float64).reshape(-1, n, n)
+    result = np.empty_like(stack)
+    pseudo_inverses(stack, tolerance, TINY, result)
+    return result.reshape(matrix.shape)
+
+
+def _by_lapack(matrix: Array, tolerance: float) -> Array:
+    finite = np.isfinite(matrix).all(axis=(-2, -1), keepdims=True)
+    matrix = np.where(finite, matrix, 0.0)
+    diagonal = np.einsum("...ii->...i", matrix)
+    scale = np.sqrt(np.maximum(diagonal, 0.0))
+    moves = scale >= TINY
+    scale = np.where(moves, scale, 1.0)
+    outer = scale[..., :, None] * scale[..., None, :]
+    both = moves[..., :, None] & moves[..., None, :]
+    values, vectors = np.linalg.eigh(np.where(both, matrix / outer, 0.0))
+    keep = values > tolerance * np.maximum(values[..., -1:], 1e-300)
+    inverse_values = np.where(keep, 1.0 / np.where(keep, values, 1.0), 0.0)
+    inverse = (vectors * inverse_values[..., None, :]) @ np.swapaxes(vectors, -1, -2)
+    result: Array = inverse / outer
+    return result
