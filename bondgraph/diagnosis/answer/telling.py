@@ -18,6 +18,7 @@ from bondgraph.diagnosis.answer.rounded_inputs import doubted_within_rounding
 from bondgraph.diagnosis.answer.separating import designed, left_close
 from bondgraph.diagnosis.answer.showing import recovered_law, traces
 from bondgraph.diagnosis.answer.stated import at_bounds, contradicted, ended_at_bounds
+from bondgraph.diagnosis.answer.turning import doubted_at_turns, turns_of
 from bondgraph.diagnosis.answer.untried import untried
 from bondgraph.diagnosis.answer.wording import next_experiment
 from bondgraph.diagnosis.candidates import Candidate
@@ -75,6 +76,8 @@ def answer(
     findings = doubted_at_jumps(told, made)
     findings = doubted_within_rounding(findings, made)
     findings = doubted_in_one_size(findings, rounds)
+    turns = turns_of(base.problem.model, recordings)
+    findings = doubted_at_turns(findings, turns)
     wrong = contradicted(graph, after.estimates)
     verdict, statement = concluded(
         rounds, findings, wrong, left, shown, recordings, options
@@ -108,6 +111,7 @@ def answer(
         traces=traces(base, final, held_out),
         recovered=tuple(law for law in laws if law is not None),
         notes=(
+            *map(str, turns),
             *lost_over_whole(final, recordings, shown.trained),
             *at_bounds(graph, after.estimates),
             *undesigned,
