@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bondgraph.fitting.truncated_inverse import SMALL, truncated_inverse
+from bondgraph.fitting.truncated_inverse import truncated_inverse
 
 
 def normal_equations(n, *, alike=False, still=None):
@@ -16,7 +16,7 @@ def normal_equations(n, *, alike=False, still=None):
     return np.swapaxes(slopes, 1, 2) @ slopes
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, SMALL, SMALL + 1])
+@pytest.mark.parametrize("n", [1, 2, 3, 7])
 def test_a_regular_matrix_is_inverted(n):
     matrices = normal_equations(n)
     product = truncated_inverse(matrices) @ matrices
@@ -25,7 +25,7 @@ def test_a_regular_matrix_is_inverted(n):
     )
 
 
-@pytest.mark.parametrize("n", [2, 3, SMALL, SMALL + 1])
+@pytest.mark.parametrize("n", [2, 3, 7])
 def test_a_direction_that_is_not_determined_is_left_out(n):
     matrices = normal_equations(n, alike=True)
     inverse = truncated_inverse(matrices)
@@ -36,7 +36,7 @@ def test_a_direction_that_is_not_determined_is_left_out(n):
         np.testing.assert_allclose(found * np.outer(scale, scale), expected, atol=1e-9)
 
 
-@pytest.mark.parametrize("n", [1, 3, SMALL + 1])
+@pytest.mark.parametrize("n", [1, 3, 7])
 def test_what_moves_nothing_has_no_inverse(n):
     inverse = truncated_inverse(normal_equations(n, still=n - 1))
     assert np.abs(inverse[:, n - 1, :]).max() < 1e-12
@@ -47,14 +47,3 @@ def test_single_matrices_and_empty_ones_keep_their_shape():
     assert truncated_inverse(np.array([[4.0]])) == pytest.approx(0.25)
     assert truncated_inverse(np.zeros((5, 0, 0))).shape == (5, 0, 0)
     assert truncated_inverse(np.zeros((0, 2, 2))).shape == (0, 2, 2)
-
-
-@pytest.mark.parametrize("n", [2, SMALL + 1])
-@pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_numbers_that_are_none_move_nothing(n, bad):
-    matrices = normal_equations(n)
-    sound = truncated_inverse(matrices)
-    matrices[3, 1, 0] = matrices[3, 0, 1] = bad
-    found = truncated_inverse(matrices)
-    assert np.all(found[3] == 0.0)
-    assert np.array_equal(np.delete(found, 3, axis=0), np.delete(sound, 3, axis=0))

@@ -10,35 +10,15 @@ TINY = 1e-75
 that anything could be multiplied by.
 """
 
-SMALL = 6
-"""Matrices of so many rows are turned by compiled rotations; larger ones by LAPACK."""
-
 
 def truncated_inverse(matrix: Array, tolerance: float = 1e-13) -> Array:
     """Return the pseudo-inverse of symmetric matrices (…, n, n), diagonals scaled.
 
     Directions whose scaled eigenvalue is below `tolerance` of the largest are left out,
-    so that what the data do not determine is not moved; nor is anything by a matrix
-    whose numbers are not all finite.
+    so that what the data do not determine is not moved.
     """
-    n = matrix.shape[-1]
-    if matrix.size == 0:
+    if matrix.shape[-1] == 0:
         return matrix
-    if n > SMALL:
-        return _by_lapack(matrix, tolerance)
-    from bondgraph.numeric.compiled.pseudo_inverse import (  # noqa: PLC0415  (numba)
-        pseudo_inverses,
-    )
-
-    stack = np.ascontiguousarray(matrix, dtype=np.float64).reshape(-1, n, n)
-    result = np.empty_like(stack)
-    pseudo_inverses(stack, tolerance, TINY, result)
-    return result.reshape(matrix.shape)
-
-
-def _by_lapack(matrix: Array, tolerance: float) -> Array:
-    finite = np.isfinite(matrix).all(axis=(-2, -1), keepdims=True)
-    matrix = np.where(finite, matrix, 0.0)
     diagonal = np.einsum("...ii->...i", matrix)
     scale = np.sqrt(np.maximum(diagonal, 0.0))
     moves = scale >= TINY
