@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from bondgraph.fitting.first_states import first_guess
 from bondgraph.fitting.growing import first_windows, grow
-from bondgraph.fitting.levenberg_marquardt import Optimum, minimise
+from bondgraph.fitting.levenberg_marquardt import Optimum
 from bondgraph.fitting.multiple_shooting import shoot_multiply
 from bondgraph.fitting.problem import FitProblem, Linearisation, write_windows
 from bondgraph.fitting.settling import settle
@@ -17,6 +17,7 @@ from bondgraph.fitting.strategy import (
     MultipleShooting,
     Strategy,
 )
+from bondgraph.fitting.window_after_window import descend, settled_on
 
 Array = NDArray[np.float64]
 
@@ -44,13 +45,15 @@ def solve(
     states, here = settle(problem, start, states)
     if not np.isfinite(here.cost).all():
         states, here = _from_rest_where_lost(problem, start, states, here)
+    states = settled_on(problem, start, states, here)
     warm = None if strategy is None else approach(problem, start, strategy)
     if warm is not None:
         warm_states, there = settle(problem, *warm)
+        warm_states = settled_on(problem, warm[0], warm_states, there)
         ahead = total_cost(problem, there.cost, warm[0])
         if not total_cost(problem, here.cost, start) <= ahead:
             start, states = warm[0], warm_states
-    return minimise(problem, start, states, iterations=iterations, tolerance=tolerance)
+    return descend(problem, start, states, iterations=iterations, tolerance=tolerance)
 
 
 def _from_rest_where_lost(
