@@ -7,7 +7,7 @@ from carts import recorded
 
 from bondgraph import BondGraph, FitSettings, I, R, Se, Windows, f
 from bondgraph.fitting.estimate import fit_model
-from bondgraph.fitting.window_after_window import _follows
+from bondgraph.fitting.window_after_window import follows
 from bondgraph.simulation.shooting import Shots
 
 SLIP = 1.5e-4
@@ -39,4 +39,4 @@ def test_sharp_friction_is_fitted_to_the_noise(start):
 def test_no_window_goes_on_where_another_recording_ended():
     time = np.concatenate([0.1 * np.arange(30), 0.1 * np.arange(20)])
     shots = Shots(time, np.zeros((50, 0)), np.zeros((50, 1)), (0, 10, 20, 30, 40, 50))
-    assert _follows(shots).tolist() == [False, True, True, False, True]
+    assert follows(shots).tolist() == [False, True, True, False, True]

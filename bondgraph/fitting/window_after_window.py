@@ -40,12 +40,11 @@ def settled_on(
         is written over where a window is mended.
     """
     shots = problem.shots
-    follows = _follows(shots)
     initial = initial.copy()
     tried = np.full_like(initial, np.nan)  # Which nothing is equal to.
     for _ in range(PASSES):
         ends = here.states[shots.edge_array[:-1] - 1]
-        bad = _bad(here.cost) & follows & (ends != tried).any(axis=1)
+        bad = _bad(problem, here) & (ends != tried).any(axis=1)
         at = np.flatnonzero(bad & np.isfinite(ends).all(axis=1))
         if not at.size:
             break
@@ -73,7 +72,7 @@ def descend(
         problem, theta, initial, iterations=iterations, tolerance=tolerance
     )
     for _ in range(PASSES):
-        if not _bad(found.linearisation.cost).any() or not problem.model.n_states:
+        if not problem.model.n_states or not _bad(problem, found.linearisation).any():
             break
         states, here = settle(problem, found.theta, found.initial)
         states = settled_on(problem, found.theta, states, here)
@@ -86,11 +85,13 @@ def descend(
     return found
 
 
-def _bad(cost: Array) -> NDArray[np.bool_]:
-    return ~(cost <= BAD * np.median(cost))
+def _bad(problem: FitProblem, at: Linearisation) -> NDArray[np.bool_]:
+    """Return which windows cost far more than others, and have one before them."""
+    costly = ~(at.cost <= BAD * np.median(at.cost))
+    return costly & follows(problem.shots)
 
 
-def _follows(shots: Shots) -> NDArray[np.bool_]:
+def follows(shots: Shots) -> NDArray[np.bool_]:
     """Return which windows go on a sample after another one's last."""
     begin = shots.edge_array[1:-1]
     gap = shots.time[begin] - shots.time[begin - 1]
