@@ -107,7 +107,7 @@ def test_ended_by_its_time_limit_it_says_so_and_goes_on_to_the_same_answer(
     if told["complete"]:
         assert told == json.loads(whole)
     else:
-        assert any("ended after" in note for note in told["notes"])
+        assert any("cut short to end within" in note for note in told["notes"])
         assert "Time ran out before everything had been tried." in told["statement"]
         assert (told["verdict"] == "cannot_tell") is (told["findings"] == [])
     assert not any("time ran out" in note for note in told["notes"])

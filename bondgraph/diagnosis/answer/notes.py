@@ -31,8 +31,8 @@ def notes_on(
     if options.seconds is not None and any(found.cut_short for found in rounds):
         kept = " What was worked out is kept: the same work goes on from there."
         notes.append(
-            f"The search was ended after {options.seconds / 60:.3g} min, as its time "
-            "limit says; laws that were not tried may explain more or better."
+            f"The search was cut short to end within {options.seconds / 60:.3g} min, "
+            "its time limit; laws that were not tried may explain more or better."
             + (kept if options.resume else "")
         )
     stands = {(one.physics, one.place) for one in made_in(rounds)}
