@@ -3,6 +3,7 @@
 import ast
 import importlib
 import os
+import pickle
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -147,6 +148,7 @@ def test_however_samples_are_laid_out_one_loop_is_compiled_for_them():
     laid_out = (rows, frozen, np.asfortranarray(rows), np.repeat(rows, 2, axis=0)[::2])
     assert len({numba.typeof(values) for values in laid_out}) == len(laid_out)
     shots = [Shots(values[:, 0], values, rows, (0, 6)) for values in laid_out]
+    shots.append(pickle.loads(pickle.dumps(shots[0])))  # as another process gets it
     assert len({numba.typeof(shot.inputs) for shot in shots}) == 1
     assert len({numba.typeof(shot.time) for shot in shots}) == 1
     assert all(np.array_equal(shot.inputs, rows) for shot in shots)

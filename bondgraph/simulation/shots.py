@@ -35,6 +35,11 @@ class Shots:
         for name in ("time", "inputs"):
             object.__setattr__(self, name, as_loops_take(getattr(self, name)))
 
+    def __reduce__(self) -> tuple[type["Shots"], tuple[object, ...]]:
+        # Made anew in another process: pickled arrays are no longer read-only, and all
+        # loops would be compiled there once more, for arrays that may be written.
+        return Shots, (self.time, self.inputs, self.outputs, self.edges)
+
     @property
     def n_windows(self) -> int:
         """Number of windows."""
