@@ -70,7 +70,7 @@ def recorded(seed, *, friction=0.0, limit=np.inf, noise=1e-3, samples=1800):
 
 
 def test_a_limit_that_alone_explains_nothing_is_found_beside_friction():
-    recording = recorded(33, friction=FRICTION, limit=LIMIT, samples=800)
+    recording = recorded(38, friction=FRICTION, limit=LIMIT, samples=800)
     settings = FitSettings(horizon=Windows(75), hold=Hold.ZERO)
     base = fit_model(axis(), [recording], settings)
     everything = propose_all(base, (CoulombFriction(), Saturation()))

@@ -9,11 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.fitting.problem import (
-    FitProblem,
-    Linearisation,
-    prior_residuals,
-)
+from bondgraph.fitting.problem import FitProblem, Linearisation, prior_residuals
 from bondgraph.fitting.truncated_inverse import truncated_inverse
 
 Array = NDArray[np.float64]

@@ -25,7 +25,7 @@ from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.evidence.leftover import foretold, noise_floor
 from bondgraph.diagnosis.evidence.proportion import known_in_proportion
-from bondgraph.diagnosis.records import Comparison, Diagnosis
+from bondgraph.diagnosis.records import Comparison, Diagnosis, Finding
 from bondgraph.diagnosis.search.base.horizons import refitted
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.remaining import remaining
@@ -73,11 +73,8 @@ def answer(
     told = with_images(told, base.graph, after.estimates)
     within = not ended_at_bounds(graph, after.estimates)
     told = doubted(told, left, carried=shown.carries_over, within=within)
-    findings = doubted_at_jumps(told, made)
-    findings = doubted_within_rounding(findings, made)
-    findings = doubted_in_one_size(findings, rounds)
     turns = turns_of(base.problem.model, recordings)
-    findings = doubted_at_turns(findings, turns)
+    findings = doubted_at_turns(_doubted_as_recorded(told, rounds), turns)
     wrong = contradicted(graph, after.estimates)
     verdict, statement = concluded(
         rounds, findings, wrong, left, shown, recordings, options
@@ -123,6 +120,16 @@ def answer(
         complete=not late,
         provenance=provenance(recordings, held_out, options, final),
     )
+
+
+def _doubted_as_recorded(
+    findings: Sequence[Finding], rounds: Sequence[Round]
+) -> list[Finding]:
+    """Return the findings, less probable where what was recorded shows them badly."""
+    made = accepted(rounds)
+    findings = doubted_at_jumps(findings, made)
+    findings = doubted_within_rounding(findings, made)
+    return doubted_in_one_size(findings, rounds)
 
 
 def left_of_whole(trained: Comparison, floor: Mapping[str, float]) -> float:

@@ -16,10 +16,7 @@ from bondgraph.diagnosis.virtual.noise import noise_scale
 from bondgraph.fitting.estimate import FittedModel, prepare
 from bondgraph.fitting.loss import SquaredError
 from bondgraph.fitting.noise import lag_one
-from bondgraph.fitting.problem import (
-    linearise_windows,
-    reduced_hessian,
-)
+from bondgraph.fitting.problem import linearise_windows, reduced_hessian
 from bondgraph.fitting.truncated_inverse import truncated_inverse
 from bondgraph.numeric.model import NumericModel
 from bondgraph.recordings.binding import BoundRecording

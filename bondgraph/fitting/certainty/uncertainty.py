@@ -24,12 +24,7 @@ from bondgraph.fitting.certainty.combinations import FLAT, flat_directions, size
 from bondgraph.fitting.levenberg_marquardt import Optimum
 from bondgraph.fitting.loss import mean_curvature, weight_of
 from bondgraph.fitting.noise import whitened
-from bondgraph.fitting.problem import (
-    FitProblem,
-    Part,
-    parts,
-    prior_residuals,
-)
+from bondgraph.fitting.problem import FitProblem, Part, parts, prior_residuals
 from bondgraph.fitting.truncated_inverse import truncated_inverse
 
 Array = NDArray[np.float64]

@@ -71,6 +71,7 @@ class _Written:
         return cls(tape.n_variables, *(part.tobytes() for part in parts))
 
     def tape(self) -> Tape:
+        """Return the tape again, without the degrees, which no code needs."""
         return Tape(
             n_variables=self.n_variables,
             constants=np.frombuffer(self.constants),
