@@ -169,6 +169,7 @@ def measure_scales(fitted: FittedModel) -> Scales:
             name: _tenths(values)
             for name, values in zip(names, shots.inputs.T, strict=True)
         },
+        begin=float(shots.time.min()),
     )
 
 

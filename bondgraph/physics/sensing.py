@@ -6,7 +6,7 @@ from dataclasses import replace
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import Place, Q
+from bondgraph.physics.places.base import Coefficient, Place, Q
 from bondgraph.physics.places.channels import OutputPlace
 from bondgraph.physics.powers import raised
 from bondgraph.physics.slips import FACTORS, SLIPS, own_values
@@ -46,30 +46,45 @@ class SensorScale(AbstractPhysics):
 
 
 class SensorBias(AbstractPhysics):
-    """A reading with an offset, or an integral that drifts."""
+    """A reading with an offset, or one that drifts."""
 
     word = "sensor_bias"
-    reference = "zero error of a sensor"
+    reference = "zero error and zero drift of a sensor"
     passivity = Passivity.SIGNAL
-    signature = "a constant error of one reading; other sensors do not see it"
+    signature = (
+        "an error of one reading that is constant, or grows with time whatever is "
+        "done; other sensors do not see it"
+    )
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it for outputs without a fitted offset of their own.
 
         An integral that nothing else reads has a free origin, which is an offset: that
-        may drift, as it does where what is integrated is off.
+        may drift alone, as it does where what is integrated is off. Rows of a steady
+        table have no time to drift in.
         """
         if not isinstance(place, OutputPlace) or _has_free(place, factor=False):
             return
-        if _origin_is_free(place):
-            b = place.strength("sensor_drift", f"({place.channel_unit})/s")
-            law = place.signal + b.symbol * t
-            words = f"{place.name} drifts: it reads more and more than what is there"
-        else:
-            b = place.strength("sensor_bias", place.channel_unit)
-            law = place.signal + b.symbol
+        offset = place.strength("sensor_bias", place.channel_unit)
+        drift = place.strength("sensor_drift", f"({place.channel_unit})/s")
+        drifting = drift.symbol * (t - place.scales.begin)
+        drifts = f"{place.name} drifts: it reads more and more than what is there"
+        free_origin = _origin_is_free(place)
+        if not free_origin:
             words = f"{place.name} reads with a constant offset"
-        yield self.hypothesis(place, place.become(law, b), law, (b,), words)
+            yield self._reads(place, offset.symbol, words, offset)
+        if free_origin or place.scales.interval:
+            yield self._reads(place, drifting, drifts, drift)
+        if not free_origin and place.scales.interval:
+            words = f"{place.name} reads with an offset that grows with time"
+            yield self._reads(place, offset.symbol + drifting, words, offset, drift)
+
+    def _reads(
+        self, place: OutputPlace, off: sympy.Expr, words: str, *own: Coefficient
+    ) -> Hypothesis:
+        """Add to a reading what it is off by."""
+        law = place.signal + off
+        return self.hypothesis(place, place.become(law, *own), law, own, words)
 
 
 class SensorNonlinearity(AbstractPhysics):

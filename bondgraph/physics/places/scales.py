@@ -33,6 +33,8 @@ class Scales:
     tenths
         In how many tenths of its largest size an input has been, by name; all where
         not known.
+    begin
+        When the earliest recording begins, in seconds on its own clock.
     """
 
     sizes: Mapping[str, float] = field(default_factory=dict)
@@ -43,6 +45,7 @@ class Scales:
     least: Mapping[str, float] = field(default_factory=dict)
     ringing: tuple[float, ...] = ()
     tenths: Mapping[str, int] = field(default_factory=dict)
+    begin: float = 0.0
 
     def at(self, quantity: Quantity, place: str, default: float = 1.0) -> float:
         """Return the size of `quantity` at `place`, or `default` where unknown or 0."""
