@@ -100,3 +100,9 @@ def test_a_scale_of_one_is_no_number():
     assert none_told([("sensor_scale_level", 1.0001, 0.0005)])
     assert not none_told([("sensor_scale_level", 1.01, 0.0005)])
     assert not none_told([("leak_level", 1.0001, 0.0005)])
+
+
+def test_how_fast_a_swing_of_no_mass_is_is_no_number():
+    frequency = ("mode_frequency_arm", 8.16, 0.17)
+    assert none_told([("mode_inertia_arm", 0.0011, 0.0025), frequency])
+    assert not none_told([("mode_inertia_arm", 0.0011, 0.0002), frequency])

@@ -8,9 +8,21 @@ ERRORS = 2.0
 FACTORS = ("sensor_scale", "input_scale")
 """How numbers begin that have no effect at 1, where others have none at 0."""
 
+TIMINGS = (
+    "mode_frequency",
+    "mode_damping",
+    "warming_time",
+    "fill_time",
+    "relaxation_time",
+    "induced_time",
+)
+"""How numbers begin that say how fast something is, and not that there is any of it."""
+
 
 def none_told(numbers: Sequence[tuple[str, float, float | None]]) -> bool:
     """Return whether there are numbers, and none is told from having no effect.
+
+    A frequency tells nothing: a swing of any is none where nothing swings.
 
     Parameters
     ----------
@@ -21,6 +33,7 @@ def none_told(numbers: Sequence[tuple[str, float, float | None]]) -> bool:
     return bool(numbers) and not any(
         std is not None and abs(value - _no_effect(name)) > ERRORS * std
         for name, value, std in numbers
+        if not name.startswith(TIMINGS)
     )
 
 
