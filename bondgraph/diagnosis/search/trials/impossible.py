@@ -1,16 +1,20 @@
-"""Curves that no store, no loss and no input has.
+"""Curves that no store, no loss and no input has, and stops that stop nothing.
 
 A free curve follows what is missing wherever it leads. Where that is no law of the
-element the curve bends along with something else, most often with time.
+element the curve bends along with something else, most often with time. And losses that
+set in somewhere along the way are no end of it.
 """
 
 import numpy as np
+import sympy
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate
 from bondgraph.diagnosis.drawn_laws import curve_of
+from bondgraph.diagnosis.probing import probe
 from bondgraph.physics.hypothesis import Shape
 from bondgraph.physics.places.base import MECHANICAL
+from bondgraph.physics.position import EndStop
 from bondgraph.structure.elements import (
     Compliance,
     EffortSource,
@@ -18,7 +22,7 @@ from bondgraph.structure.elements import (
     Inertance,
     Resistance,
 )
-from bondgraph.structure.signals import signals_in
+from bondgraph.structure.signals import displacement, f, flow, q, signals_in
 
 Array = NDArray[np.float64]
 TOO_MUCH = 0.25
@@ -30,6 +34,12 @@ TOO_FAR = 100.0
 """An input that acts so many times more than was ever asked of it is not driven by it:
 the curve makes up for another value of the machine that has run away.
 """
+HELD = 0.05
+"""Of its largest effort, that a stop has to hold where nothing moves ..."""
+BEYOND = 0.1
+"""... if motion goes on for more than this share of the whole way once it is reached.
+One that is hardly passed may take all that comes in losses.
+"""
 NEGATIVE_STORE = (
     "somewhere it would give less the more it holds, as no store but a spring does: "
     "what it holds stands for the time there"
@@ -38,6 +48,10 @@ NEGATIVE_LOSS = (
     "somewhere it would give back power, as no loss does: what it goes along there "
     "stands for something else"
 )
+STOPS_NOTHING = (
+    "motion goes on far beyond it, and it would hold next to nothing there: losses "
+    "that set in on the way are no end of it"
+)
 BEYOND_COMMAND = (
     "somewhere it would act a hundred times more than was ever commanded: it makes up "
     "for a parameter that has run away"
@@ -45,8 +59,10 @@ BEYOND_COMMAND = (
 
 
 def impossible(candidate: Candidate) -> str | None:
-    """Return why no element has the curve of a candidate; None where one may."""
+    """Return why no element has the law of a candidate; None where one may."""
     hypothesis = candidate.hypothesis
+    if hypothesis.physics == EndStop.word:
+        return STOPS_NOTHING if _is_passed(candidate) else None
     if hypothesis.physics != CURVE or hypothesis.shape is None:
         return None
     shape = hypothesis.shape
@@ -63,6 +79,19 @@ def impossible(candidate: Candidate) -> str | None:
             asked, acts = np.abs(_drawn(candidate, shape)).max(axis=1)
             return BEYOND_COMMAND if acts > TOO_FAR * asked else None
     return None
+
+
+def _is_passed(candidate: Candidate) -> bool:
+    """Return whether motion goes on far beyond a stop that holds next to nothing."""
+    place, law = candidate.hypothesis.place, candidate.hypothesis.law
+    here = {q: displacement(place), f: flow(place)}
+    held, taken = law.xreplace(here | {f: sympy.S.Zero}), law.xreplace(here)
+    read = probe(candidate.fitted, (here[q], held, taken))
+    told = np.isfinite(read[taken])
+    way, holds, takes = (read[key][told] for key in (here[q], held, taken))
+    if not takes.any() or np.abs(holds).max() > HELD * np.abs(takes).max():
+        return False
+    return bool(np.ptp(way[takes != 0.0]) > BEYOND * np.ptp(way))
 
 
 def _drawn(candidate: Candidate, shape: Shape) -> tuple[Array, Array]:
