@@ -10,10 +10,11 @@ import importlib.util
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.machinery import SourceFileLoader
 from inspect import signature
 from pathlib import Path
 from traceback import extract_tb
-from types import FunctionType, ModuleType
+from types import CodeType, FunctionType, ModuleType
 
 from bondgraph.errors import BondGraphError, ModelLoadError, did_you_mean
 from bondgraph.structure.builder import BondGraph
@@ -98,7 +99,8 @@ def _from_file(path: Path) -> ModuleType:
     if path.suffix != ".py":
         raise ModelLoadError(f"{path.name!r} is not a Python file.", (str(path),), _HOW)
     name = f"_bondgraph_model_{path.stem}"
-    spec = importlib.util.spec_from_file_location(name, path)
+    loader = _Afresh(name, str(path))
+    spec = importlib.util.spec_from_file_location(name, path, loader=loader)
     if spec is None or spec.loader is None:
         raise ModelLoadError(f"{str(path)!r} cannot be imported.", (str(path),), _HOW)
     module = importlib.util.module_from_spec(spec)
@@ -107,6 +109,17 @@ def _from_file(path: Path) -> ModuleType:
         sys.modules[name] = module
         spec.loader.exec_module(module)
     return module
+
+
+class _Afresh(SourceFileLoader):
+    """Compiles a file whatever bytecode there is.
+
+    That is known by a file's length and second, and a number may be changed within one.
+    """
+
+    def get_code(self, fullname: str) -> CodeType:
+        """Return the code of the file as it is now."""
+        return self.source_to_code(self.get_data(self.path), self.path)
 
 
 def _from_path(where: str, base: Path) -> ModuleType:
