@@ -106,3 +106,4 @@ def test_how_fast_a_swing_of_no_mass_is_is_no_number():
     frequency = ("mode_frequency_arm", 8.16, 0.17)
     assert none_told([("mode_inertia_arm", 0.0011, 0.0025), frequency])
     assert not none_told([("mode_inertia_arm", 0.0011, 0.0002), frequency])
+    assert not none_told([frequency])

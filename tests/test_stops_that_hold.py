@@ -32,9 +32,39 @@ def base():
     )
 
 
+@pytest.fixture(scope="module")
+def behind_a_rod():
+    """A sled far from its origin that a drive moves by a rod; the drive is read."""
+    g = BondGraph("drive and sled", domain="translation")
+    g.one("drive", Se("push"), I("armature"))
+    g.zero("rod")
+    g.one("stretch", C("rod_spring"), R("rod_loss"))
+    g.one("sled", I("mass"), R("film"))
+    for other in ("drive", "rod"), ("rod", "stretch"), ("rod", "sled"):
+        g.join(*other)
+    g.measure("position", displacement="drive")
+    g.parameter("film", 4.0, "N*s/m", bounds=(0, 100))
+    for name, value, unit in (
+        ("armature", 0.5, "kg"),
+        ("mass", 0.5, "kg"),
+        ("rod_spring", 1e-3, "m/N"),
+        ("rod_loss", 3.0, "N*s/m"),
+    ):
+        g.parameter(name, value, unit, std=0.0)
+    graph, push = g.finish(), 1.5 * np.sin(2.0 * TIME)
+    moved = 5.0 - 0.17 * np.sin(2.0 * TIME + 1.1)
+    channels = {"push": (push, "N"), "position": (moved, "m")}
+    return fit_model(
+        graph,
+        [bind_to(graph, Recording.from_arrays("run", TIME, channels))],
+        FitSettings(),
+    )
+
+
 def stopped(base, at, stiffness, damping):
     """Return the sled with an upper stop of these numbers."""
-    law = next(one for one in propose_all(base, [EndStop()]) if "upper" in one.words)
+    stops = (one for one in propose_all(base, [EndStop()]) if one.place == "sled")
+    law = next(one for one in stops if "upper" in one.words)
     numbers = dict(zip(law.parameters, (at, stiffness, damping), strict=True))
     fitted = restored(base, Trial(law, (Start({**base.values, **numbers}),)))
     return Candidate(law, fitted, 3)
@@ -51,3 +81,9 @@ def stopped(base, at, stiffness, damping):
 )
 def test_a_stop_holds_or_is_hardly_passed(base, at, stiffness, damping, reason):
     assert impossible(stopped(base, at, stiffness, damping)) == reason
+
+
+def test_where_it_is_follows_from_what_is_read(behind_a_rod):
+    film, soft = (stopped(behind_a_rod, 5.0, k, 300.0) for k in (0.01, 500.0))
+    assert impossible(film) == STOPS_NOTHING
+    assert impossible(soft) is None

@@ -68,21 +68,21 @@ class SensorBias(AbstractPhysics):
         offset = place.strength("sensor_bias", place.channel_unit)
         drift = place.strength("sensor_drift", f"({place.channel_unit})/s")
         drifting = drift.symbol * (t - place.scales.begin)
-        drifts = f"{place.name} drifts: it reads more and more than what is there"
-        free_origin = _origin_is_free(place)
-        if not free_origin:
-            words = f"{place.name} reads with a constant offset"
-            yield self._reads(place, offset.symbol, words, offset)
-        if free_origin or place.scales.interval:
+        drifts = f"{place.name} drifts: what it reads is off by more and more"
+        if _origin_is_free(place):
             yield self._reads(place, drifting, drifts, drift)
-        if not free_origin and place.scales.interval:
-            words = f"{place.name} reads with an offset that grows with time"
+            return
+        words = f"{place.name} reads with a constant offset"
+        yield self._reads(place, offset.symbol, words, offset)
+        if place.scales.interval:
+            yield self._reads(place, drifting, drifts, drift)
+            words = f"{place.name} reads with an offset that changes evenly with time"
             yield self._reads(place, offset.symbol + drifting, words, offset, drift)
 
     def _reads(
         self, place: OutputPlace, off: sympy.Expr, words: str, *own: Coefficient
     ) -> Hypothesis:
-        """Add to a reading what it is off by."""
+        """Return the sensor that reads what is there and what it is off by."""
         law = place.signal + off
         return self.hypothesis(place, place.become(law, *own), law, own, words)
 

@@ -22,7 +22,7 @@ TIMINGS = (
 def none_told(numbers: Sequence[tuple[str, float, float | None]]) -> bool:
     """Return whether there are numbers, and none is told from having no effect.
 
-    A frequency tells nothing: a swing of any is none where nothing swings.
+    Beside others a frequency tells nothing: where nothing swings it is as one likes.
 
     Parameters
     ----------
@@ -30,10 +30,10 @@ def none_told(numbers: Sequence[tuple[str, float, float | None]]) -> bool:
         Each with its name, its value and its error. An error that is not known, None or
         not a number, tells nothing.
     """
-    return bool(numbers) and not any(
+    sizes = [one for one in numbers if not one[0].startswith(TIMINGS)] or numbers
+    return bool(sizes) and not any(
         std is not None and abs(value - _no_effect(name)) > ERRORS * std
-        for name, value, std in numbers
-        if not name.startswith(TIMINGS)
+        for name, value, std in sizes
     )
 
 

@@ -14,6 +14,8 @@ from bondgraph.diagnosis.drawn_laws import curve_of
 from bondgraph.diagnosis.probing import probe
 from bondgraph.physics.hypothesis import Shape
 from bondgraph.physics.places.base import MECHANICAL
+from bondgraph.physics.places.junction import junction_place
+from bondgraph.physics.places.scales import Scales
 from bondgraph.physics.position import EndStop
 from bondgraph.structure.elements import (
     Compliance,
@@ -22,7 +24,7 @@ from bondgraph.structure.elements import (
     Inertance,
     Resistance,
 )
-from bondgraph.structure.signals import displacement, f, flow, q, signals_in
+from bondgraph.structure.signals import f, flow, q, signals_in
 
 Array = NDArray[np.float64]
 TOO_MUCH = 0.25
@@ -84,11 +86,12 @@ def impossible(candidate: Candidate) -> str | None:
 def _is_passed(candidate: Candidate) -> bool:
     """Return whether motion goes on far beyond a stop that holds next to nothing."""
     place, law = candidate.hypothesis.place, candidate.hypothesis.law
-    here = {q: displacement(place), f: flow(place)}
-    held, taken = law.xreplace(here | {f: sympy.S.Zero}), law.xreplace(here)
-    read = probe(candidate.fitted, (here[q], held, taken))
+    moved = junction_place(candidate.fitted.graph, place, Scales()).displacement_signal
+    assert moved is not None  # A stop is proposed where the displacement is known.
+    held, taken = (law.xreplace({q: moved, f: x}) for x in (sympy.S.Zero, flow(place)))
+    read = probe(candidate.fitted, (moved, held, taken))
     told = np.isfinite(read[taken])
-    way, holds, takes = (read[key][told] for key in (here[q], held, taken))
+    way, holds, takes = (read[key][told] for key in (moved, held, taken))
     if not takes.any() or np.abs(holds).max() > HELD * np.abs(takes).max():
         return False
     return bool(np.ptp(way[takes != 0.0]) > BEYOND * np.ptp(way))
