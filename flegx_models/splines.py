@@ -5,7 +5,9 @@ six coefficients of a polynomial of fifth order. It is the lowest order that lea
 step of the acceleration, and so of the torque, where one motion follows another.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import reduce
 
 import numpy as np
 
@@ -30,11 +32,17 @@ class QuinticSpline:
     """The polynomial of fifth order from `start` to `end` in `duration` seconds.
 
     Before and after, the motion stays at the angle of that end, at rest.
+
+    Attributes
+    ----------
+    coefficients
+        Of time, lowest power first, in rad/sᵏ.
     """
 
     start: Motion
     end: Motion
     duration: float
+    coefficients: tuple[float, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if not self.duration > 0:
@@ -43,10 +51,10 @@ class QuinticSpline:
                 ("duration",),
                 "Give a positive number of seconds.",
             )
+        # A controller asks thousands of times where the motion is.
+        object.__setattr__(self, "coefficients", self._coefficients())
 
-    @property
-    def coefficients(self) -> tuple[float, ...]:
-        """Coefficients of time, lowest power first, in rad/sᵏ."""
+    def _coefficients(self) -> tuple[float, ...]:
         T, a, b = self.duration, self.start, self.end
         lower = (a.angle, a.speed, a.acceleration / 2)
         # What the three lower powers leave to be done at the end.
@@ -67,9 +75,17 @@ class QuinticSpline:
             return Motion(self.start.angle)
         if time > self.duration:
             return Motion(self.end.angle)
-        polynomial = np.polynomial.Polynomial(self.coefficients)
+        speed = _derivative(self.coefficients)
         return Motion(
-            float(polynomial(time)),
-            float(polynomial.deriv()(time)),
-            float(polynomial.deriv(2)(time)),
+            _value(self.coefficients, time),
+            _value(speed, time),
+            _value(_derivative(speed), time),
         )
+
+
+def _derivative(coefficients: Sequence[float]) -> list[float]:
+    return [k * c for k, c in enumerate(coefficients)][1:]
+
+
+def _value(coefficients: Sequence[float], time: float) -> float:
+    return reduce(lambda value, c: c + value * time, reversed(coefficients))

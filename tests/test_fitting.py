@@ -302,7 +302,7 @@ def test_a_tight_prior_holds_a_parameter():
 
 
 def test_bounds_are_respected_and_the_rest_still_fitted():
-    graph = spring_mass(b={"bounds": (0.0, 1.0)})
+    graph = spring_mass(b={"bounds": [0.0, 1.0]})  # a list does as well as a pair
     result = fit(graph, [spring_mass_recording(graph)], settings=WHOLE)
     assert result.estimate("b").value == 1.0
     assert result.estimate("k").value == pytest.approx(50.0, rel=0.05)

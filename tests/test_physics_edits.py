@@ -63,6 +63,8 @@ def test_it_survives_pickling_and_goes_on(name, hypothesis):
     edited = hypothesis.apply(MACHINES[name])
     assert again == hypothesis
     assert again.apply(MACHINES[name]) == edited
+    # What is derived from a graph is kept by its value.
+    assert hash(again.apply(MACHINES[name])) == hash(edited)
     # The next round of a search starts from here.
     assert all_places(edited, Scales())
 

@@ -1,6 +1,7 @@
 """From a graph and windows of recordings to a least-squares problem."""
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +17,13 @@ from bondgraph.simulation.shooting import Shots
 from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
+KEPT = 256
+"""Of how many graphs the numeric form is kept: each is posed again and again."""
 
 
+@lru_cache(maxsize=KEPT)
 def prepare(graph: FinishedGraph) -> NumericModel:
-    """Return the numeric form of a graph."""
+    """Return the numeric form of a graph; equal graphs have the same one."""
     return compile_model(derive(graph))
 
 

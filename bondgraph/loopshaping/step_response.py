@@ -208,19 +208,29 @@ def _steps(
     whole[n, n + 1] = 1.0  # the slope of e
     step = expm(whole * h)[:n]
     move, level, slope = step[:, :n], step[:, n], step[:, n + 1] / h
-    left, right = np.zeros(count + 1), np.zeros(count + 1)  # v before and after t_k
+    # e before and after t_k, and one grid point on; ones until a delay has passed.
+    before, after = np.ones(count + 2 + per_delay), np.ones(count + 2 + per_delay)
+    before[0] = 0.0
+    states = np.zeros((count + 2, n))
     output = np.empty(count + 1)
-    x = np.zeros(n)
-    for k in range(count + 1):
-        old = k - per_delay
-        before = (1.0 - left[old]) if old >= 0 else float(k > 0)
-        after = (1.0 - right[old]) if old >= 0 else 1.0
-        left[k] = cut.Cv @ x + cut.dv * before
-        right[k] = cut.Cv @ x + cut.dv * after
-        output[k] = cut.Cy @ x + cut.dy * after
-        ahead = old + 1
-        then = (1.0 - left[ahead]) if ahead >= 0 else 1.0
-        x = move @ x + level * after + slope * (then - after)
+    # What comes back was sent a delay ago: so long a stretch is known beforehand.
+    for first in range(0, count + 1, per_delay - 1):
+        known = slice(first, min(first + per_delay - 1, count + 1))
+        sent = slice(known.start + per_delay, known.stop + per_delay)
+        now = after[known]
+        before[first + per_delay] = (
+            1.0 - cut.Cv @ states[first] - cut.dv * before[first]
+        )
+        rise = before[known.start + 1 : known.stop + 1] - now
+        forced = np.outer(now, level) + np.outer(rise, slope)
+        x = states[first]
+        for k, force in enumerate(forced, first + 1):
+            x = move @ x + force
+            states[k] = x
+        measured = states[known] @ cut.Cv
+        before[sent] = 1.0 - measured - cut.dv * before[known]
+        after[sent] = 1.0 - measured - cut.dv * now
+        output[known] = states[known] @ cut.Cy + cut.dy * now
     return np.linspace(0.0, h * count, count + 1), output
 
 

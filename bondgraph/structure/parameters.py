@@ -84,6 +84,7 @@ class Parameter:
             if number is not None:
                 _check_number(self.name, number, what)
         low, high = self._interval()
+        object.__setattr__(self, "bounds", (low, high))
         if not low < high:
             raise ParameterError(
                 f"Parameter {self.name!r} has bounds ({low}, {high}).",
