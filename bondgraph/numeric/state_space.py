@@ -7,6 +7,7 @@ systems too large to write out; `StateSpace` is the dense one to design with.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,6 +32,9 @@ FloatArray = NDArray[np.float64]
 At = Mapping[str, object] | SteadyState | None
 
 ANOTHER_TIME = 0.7390851332151607  # no period of anything
+
+KEPT = 8
+"""Of how many graphs the equations are kept: one is asked for at many points."""
 
 MOST_DENSE_STATES = 6000
 """Four dense matrices of more states than this take over half a gigabyte."""
@@ -172,7 +176,13 @@ def sparse_state_space(graph: FinishedGraph, *, at: At = None) -> SparseStateSpa
             "Pass the finished graph that they were derived from.",
         )
     values = graph.parameters.values_by_name()
-    return sparse_from_equations(derive(graph), values, at=at)
+    return _linearised(*_derived(graph), values, at)
+
+
+@lru_cache(maxsize=KEPT)
+def _derived(graph: FinishedGraph) -> tuple[StateEquations, NumericModel]:
+    equations = derive(graph)
+    return equations, compile_model(equations)
 
 
 def from_equations(
@@ -186,7 +196,12 @@ def sparse_from_equations(
     equations: StateEquations, values: Mapping[str, float], *, at: At = None
 ) -> SparseStateSpace:
     """Return the sparse linear system of `equations` at these parameter values."""
-    model = compile_model(equations)
+    return _linearised(equations, compile_model(equations), values, at)
+
+
+def _linearised(
+    equations: StateEquations, model: NumericModel, values: Mapping[str, float], at: At
+) -> SparseStateSpace:
     here = placed(model, equations, values, at)
     x, y = _sensitivities(model, here)
     if "t" not in point_values(at) and model.needs_time:
