@@ -1,6 +1,7 @@
 """From a graph and windows of recordings to a least-squares problem."""
 
 import math
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -21,10 +22,35 @@ KEPT = 256
 """Of how many graphs the numeric form is kept: each is posed again and again."""
 
 
-@lru_cache(maxsize=KEPT)
 def prepare(graph: FinishedGraph) -> NumericModel:
-    """Return the numeric form of a graph; equal graphs have the same one."""
-    return compile_model(derive(graph))
+    """Return the numeric form of a graph; graphs with equal equations share it."""
+    return _prepared(_Asked.of(graph))
+
+
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """A graph, compared by what its equations follow from: how sure numbers are is not.
+
+    Their signs and bounds are: they choose the branch of a law that is inverted.
+    """
+
+    told: tuple[object, ...]
+    graph: FinishedGraph = field(compare=False)
+
+    @classmethod
+    def of(cls, graph: FinishedGraph) -> "_Asked":
+        parameters = tuple(
+            (p.name, p.unit, p.value, p.bounds) for p in graph.parameters.members
+        )
+        structure = (graph.name, graph.nodes, graph.bonds, graph.domains)
+        return cls(
+            (*structure, graph.measurements, graph.preferences, parameters), graph
+        )
+
+
+@lru_cache(maxsize=KEPT)
+def _prepared(asked: _Asked) -> NumericModel:
+    return compile_model(derive(asked.graph))
 
 
 def pose(

@@ -6,8 +6,9 @@ halves what the recordings have to tell. Where a flow turns it may also jump, as
 friction does.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from itertools import pairwise
 
 import numpy as np
@@ -27,6 +28,9 @@ CLOSE = 0.05
 
 GRID = 401
 """Points at which a curve is held against a line."""
+
+KEPT = 16
+"""Of how many curves the bends are kept, written out."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +91,6 @@ def smooth_curve(
     knots = _divided(_one_way(first) if odd else first, smooth.pieces)
     lines, bends = (odd_parts if odd else parts)(knots)
     grid = np.linspace(knots[0], knots[-1], GRID)
-    near = np.linalg.pinv(np.column_stack([line.curve(grid) for line in lines]))
     rest, own, terms = smooth.begin(np.array(knots), first), [], []
     on_grid = smooth.begin(grid, first)
 
@@ -104,15 +107,39 @@ def smooth_curve(
         rest = rest - height * jump.curve(np.array(knots))
         on_grid = on_grid - height * jump.curve(grid)
         terms.append(free(jump, height) * jump.curve(x))
-    for line, start in zip(lines, near @ on_grid, strict=True):
-        terms.append(free(line, start) * line.curve(x))
+    straight, bent = _drawn(x, knots, odd)
+    starts = _nearest(lines, grid) @ on_grid
+    for line, start, curve in zip(lines, starts, straight, strict=True):
+        terms.append(free(line, start) * curve)
     changes = np.diff(np.diff(rest) / np.diff(knots))
-    for bend, change in zip(bends, changes, strict=True):
-        along = near @ bend.curve(grid)
-        line = sum(float(c) * one.curve(x) for c, one in zip(along, lines, strict=True))
+    for bend, change, curve in zip(bends, changes, bent, strict=True):
         symbol = free(bend, change, smooth.roughness * smooth.size)
-        terms.append(symbol * (bend.curve(x) - line))
+        terms.append(symbol * curve)
     return sympy.Add(*terms), tuple(own)
+
+
+@lru_cache(maxsize=KEPT)
+def _drawn(
+    x: sympy.Expr, knots: Knots, odd: bool
+) -> tuple[tuple[sympy.Expr, ...], tuple[sympy.Expr, ...]]:
+    """Return the lines of `x`, and its bends, each less the line that is nearest to it.
+
+    The same at every roughness, and so many that they take long to write.
+    """
+    lines, bends = (odd_parts if odd else parts)(knots)
+    grid = np.linspace(knots[0], knots[-1], GRID)
+    near = _nearest(lines, grid)
+    straight, bent = [line.curve(x) for line in lines], []
+    for bend in bends:
+        along = near @ bend.curve(grid)
+        line = sum(float(c) * one for c, one in zip(along, straight, strict=True))
+        bent.append(bend.curve(x) - line)
+    return tuple(straight), tuple(bent)
+
+
+def _nearest(lines: Sequence[Part], grid: FloatArray) -> FloatArray:
+    """Return what gives, of a curve on a grid, the sizes of the lines nearest to it."""
+    return np.linalg.pinv(np.column_stack([line.curve(grid) for line in lines]))
 
 
 def _one_way(knots: Knots) -> Knots:
