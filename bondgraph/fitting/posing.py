@@ -39,6 +39,7 @@ class _Asked:
 
     @classmethod
     def of(cls, graph: FinishedGraph) -> "_Asked":
+        """Return a graph with what it is compared by."""
         parameters = tuple(
             (p.name, p.unit, p.value, p.bounds) for p in graph.parameters.members
         )

@@ -218,9 +218,6 @@ def _steps(
         known = slice(first, min(first + per_delay - 1, count + 1))
         sent = slice(known.start + per_delay, known.stop + per_delay)
         now = after[known]
-        before[first + per_delay] = (
-            1.0 - cut.Cv @ states[first] - cut.dv * before[first]
-        )
         rise = before[known.start + 1 : known.stop + 1] - now
         forced = np.outer(now, level) + np.outer(rise, slope)
         x = states[first]
