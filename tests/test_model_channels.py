@@ -139,3 +139,15 @@ def test_a_channel_is_not_an_input_and_a_measurement():
     named_alike.measure("force", effort="mass")
     with pytest.raises(StructureError, match="'force' is an input and a measurement"):
         named_alike.finish()
+
+
+def test_a_recording_that_is_not_bound_yet_is_told_so_and_how():
+    graph = cart("analogue").finish()
+    for work in fit, partial(diagnose, held_out=[]):
+        with pytest.raises(RecordingError, match="not bound to 'cart'") as told:
+            work(graph, [pixels()])
+        assert "bind_to(graph, recording)" in str(told.value)
+        with pytest.raises(RecordingError, match=r"\[recording\]"):
+            work(graph, bind_to(graph, pixels()))
+        with pytest.raises(RecordingError, match=r"A str is no.*read_for"):
+            work(graph, ["run.csv"])

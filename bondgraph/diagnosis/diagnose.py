@@ -69,8 +69,8 @@ def diagnose(
     chosen = Options() if options is None else options
     refuse_other(chosen, Options, "What is to set the diagnosis", FitError)
     limit = Limit.after(chosen.seconds)
-    refuse_twice(recordings)
     recordings = matched(graph, recordings, " to diagnose from")
+    refuse_twice(recordings)
     held_out = matched(graph, held_out, " to show the answer on")
     refuse_unchanging(recordings)
     read, kept_back = without_misreadings(recordings), without_misreadings(held_out)

@@ -69,8 +69,8 @@ def fit(
         If there is no recording, one is given twice, or one is of another model.
     """
     chosen = FitSettings() if settings is None else settings
-    refuse_twice(recordings)
     recordings = matched(graph, recordings)
+    refuse_twice(recordings)
     return report(fit_model(graph, recordings, chosen), graph, recordings)
 
 

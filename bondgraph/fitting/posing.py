@@ -14,6 +14,7 @@ from bondgraph.fitting.problem import FitProblem
 from bondgraph.fitting.settings import FitSettings
 from bondgraph.numeric.model import NumericModel, compile_model
 from bondgraph.recordings.spread import size
+from bondgraph.simulation.engines import PAYING
 from bondgraph.simulation.shooting import Shots
 from bondgraph.structure.graph import FinishedGraph
 
@@ -101,6 +102,7 @@ def pose(
         hold=settings.hold,
         loss=settings.loss,
         correlation=np.zeros(len(model.output_names)),
+        engine=PAYING.for_parts_of(len(shots.time)),
     )
 
 

@@ -21,6 +21,7 @@ from bondgraph.fitting.noise import whitened
 from bondgraph.fitting.overflow import without_overflow
 from bondgraph.fitting.truncated_inverse import truncated_inverse
 from bondgraph.numeric.model import NumericModel
+from bondgraph.simulation.engines import PAYING, Engine
 from bondgraph.simulation.shooting import Shooting, Shots, shoot
 from bondgraph.simulation.solvers import Hold, Solver
 
@@ -49,6 +50,8 @@ class FitProblem:
         What a scaled residual costs.
     correlation
         φ per output of first-order coloured noise; zeros for white noise.
+    engine
+        How the equations are evaluated, a matter of time only.
     """
 
     model: NumericModel
@@ -63,6 +66,7 @@ class FitProblem:
     hold: Hold
     loss: Loss = field(default_factory=SquaredError)
     correlation: Array = field(default_factory=lambda: np.zeros(1))
+    engine: Engine = PAYING
 
     @property
     def free_names(self) -> list[str]:
@@ -185,13 +189,15 @@ def _part(
         directions=problem.free if about is None else about,
         solver=problem.solver,
         hold=problem.hold,
+        engine=problem.engine,
         of_initial=about is None,
         reasons=False,
     )
     shot = without_overflow(shot, shots.edges)
     known = shots.known
-    ran = np.repeat(shot.completed, shots.lengths)
-    measured = known & ran[:, None]
+    measured = known
+    if not shot.completed.all():
+        measured = known & np.repeat(shot.completed, shots.lengths)[:, None]
     residuals = (shots.outputs - shot.outputs) / problem.sigma
     jacobian = shot.sensitivities / problem.sigma[:, None]
     errors = residuals
@@ -232,13 +238,13 @@ def linearise_windows(
 
     shots, model = problem.shots, problem.model
     count, nd = shots.n_windows, len(problem.free) + model.n_states
-    residuals = np.zeros_like(shots.outputs)
-    states = np.zeros((len(shots.time), model.n_states))
+    residuals, states = [], []
     hessian, slope = np.zeros((count, nd, nd)), np.zeros((count, nd))
     cost = np.zeros(count)
     for part in parts(problem, theta, initial):
         at = part.windows
-        residuals[part.rows], states[part.rows] = part.residuals, part.shot.states
+        residuals.append(part.residuals)
+        states.append(part.shot.states)
         errors, jacobian = part.errors, part.jacobian
         if not isinstance(problem.loss, SquaredError):
             root = np.sqrt(weight_of(problem.loss, errors**2))
@@ -251,7 +257,12 @@ def linearise_windows(
         cost[at] = np.where(part.shot.completed, cost[at], np.inf)
     fine = np.isfinite(cost) & np.isfinite(hessian).all(axis=(1, 2))
     hessian[~fine], slope[~fine], cost[~fine] = 0.0, 0.0, np.inf
-    return Linearisation(residuals, hessian, slope, cost, states)
+    return Linearisation(_joined(residuals), hessian, slope, cost, _joined(states))
+
+
+def _joined(parts: Sequence[Array]) -> Array:
+    """Return the rows of all parts; nearly always there is one."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def window_costs(problem: FitProblem, theta: Array, initial: Array) -> Array:

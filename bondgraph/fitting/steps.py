@@ -53,8 +53,8 @@ def next_step(
 def _gained(at: Linearisation, move: Array, shift: Array) -> Array:
     """Return by how much a step lowers each window's cost in the linearised problem."""
     whole = np.column_stack([np.broadcast_to(move, (len(shift), len(move))), shift])
-    curved = np.einsum("wi,wij,wj->w", whole, at.hessian, whole)
-    gained: Array = 2.0 * (at.slope * whole).sum(axis=1) - curved
+    bent = (whole[:, None, :] @ at.hessian)[:, 0, :]
+    gained: Array = ((2.0 * at.slope - bent) * whole).sum(axis=1)
     return gained
 
 
@@ -120,9 +120,12 @@ def bounded_step(
     step = np.zeros(len(slope))
     free = np.ones(len(slope), dtype=bool) if held is None else ~held
     while free.any():
-        inner = hessian[np.ix_(free, free)]
-        rest = slope[free] - hessian[np.ix_(free, ~free)] @ step[~free]
-        step[free] = truncated_inverse(inner) @ rest
+        if free.all():  # nearly always
+            step = truncated_inverse(hessian) @ slope
+        else:
+            inner = hessian[np.ix_(free, free)]
+            rest = slope[free] - hessian[np.ix_(free, ~free)] @ step[~free]
+            step[free] = truncated_inverse(inner) @ rest
         outside = free & ((step < low) | (step > high))
         step = np.clip(step, low, high)
         if not outside.any():
@@ -133,6 +136,7 @@ def bounded_step(
 
 def damped(hessian: Array, damping: Array | float) -> Array:
     """Return the matrices with their diagonals raised by the factor 1 + damping."""
-    diagonal = np.einsum("wii->wi", hessian) * np.reshape(damping, (-1, 1))
-    raised: Array = hessian + diagonal[:, :, None] * np.eye(hessian.shape[-1])
+    raised = hessian.copy()
+    diagonal = np.einsum("wii->wi", raised)  # which writes into it
+    diagonal += diagonal * np.reshape(damping, (-1, 1))
     return raised

@@ -22,12 +22,21 @@ def truncated_inverse(matrix: Array, tolerance: float = 1e-13) -> Array:
     diagonal = np.einsum("...ii->...i", matrix)
     scale = np.sqrt(np.maximum(diagonal, 0.0))
     moves = scale >= TINY
-    scale = np.where(moves, scale, 1.0)
-    outer = scale[..., :, None] * scale[..., None, :]
-    both = moves[..., :, None] & moves[..., None, :]
-    values, vectors = np.linalg.eigh(np.where(both, matrix / outer, 0.0))
+    # Nearly always everything moves, and fits ask very often.
+    if moves.all():
+        outer = scale[..., :, None] * scale[..., None, :]
+        scaled = matrix / outer
+    else:
+        scale = np.where(moves, scale, 1.0)
+        outer = scale[..., :, None] * scale[..., None, :]
+        both = moves[..., :, None] & moves[..., None, :]
+        scaled = np.where(both, matrix / outer, 0.0)
+    values, vectors = np.linalg.eigh(scaled)
     keep = values > tolerance * np.maximum(values[..., -1:], 1e-300)
-    inverse_values = np.where(keep, 1.0 / np.where(keep, values, 1.0), 0.0)
+    if keep.all():
+        inverse_values = 1.0 / values
+    else:
+        inverse_values = np.where(keep, 1.0 / np.where(keep, values, 1.0), 0.0)
     inverse = (vectors * inverse_values[..., None, :]) @ np.swapaxes(vectors, -1, -2)
     result: Array = inverse / outer
     return result

@@ -55,8 +55,15 @@ def matched(
     Raises
     ------
     RecordingError
-        If there is none, or one was bound to another model: other names or units.
+        If there is none, one is not bound to a model, or one was bound to another
+        model: other names or units.
     """
+    if isinstance(recordings, Recording | BoundRecording):
+        raise RecordingError(
+            f"Recording {recordings.name!r} is one, and several are asked for.",
+            (recordings.name,),
+            "Give a list, of one if there is one: [recording].",
+        )
     if not recordings:
         raise RecordingError(
             f"There is no recording of {graph.name!r}{what_for}.",
@@ -64,12 +71,30 @@ def matched(
             "Give at least one, read with read_for(graph, path); split(recording, 0.6) "
             "makes two of one.",
         )
+    _refuse_unbound(graph, recordings)
     channels = channels_of(graph)
     names = tuple(channels.inputs), tuple(channels.outputs)
     found = tuple(one.ordered(*names) for one in recordings)
     for one in found:
         _refuse_other_units(graph, one, channels)
     return found
+
+
+def _refuse_unbound(graph: FinishedGraph, recordings: Sequence[object]) -> None:
+    for one in recordings:
+        if isinstance(one, Recording):
+            raise RecordingError(
+                f"Recording {one.name!r} is not bound to {graph.name!r} yet.",
+                (one.name, graph.name),
+                "Bind it to this model: bind_to(graph, recording).",
+            )
+        if not isinstance(one, BoundRecording):
+            raise RecordingError(
+                f"A {type(one).__name__} is no recording of {graph.name!r}.",
+                (graph.name,),
+                "Read a file with read_for(graph, path), or make a recording with "
+                "Recording.from_arrays and bind it: bind_to(graph, recording).",
+            )
 
 
 def _refuse_other_units(

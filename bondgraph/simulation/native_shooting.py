@@ -21,9 +21,6 @@ WORTH_A_THREAD = 4000
 IMPLICIT_STEP = 4
 """Explicit steps that take as long as an implicit one."""
 
-WORTH_OPTIMISING = 20_000
-"""Samples; a fit to fewer ends before optimised code has won back its time."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Windows:
@@ -54,6 +51,7 @@ def run_native(
     *,
     zero_hold: bool,
     of_initial: bool = True,
+    optimised: bool = False,
 ) -> NativeRun:
     """Simulate every window in native code.
 
@@ -63,6 +61,8 @@ def run_native(
         Parameters whose sensitivities are wanted; None for no sensitivities at all.
     of_initial
         Whether those to the initial states follow.
+    optimised
+        Whether code that is a little faster is worth waiting for.
 
     Raises
     ------
@@ -74,7 +74,10 @@ def run_native(
     n, nx, ny = len(windows.time), model.n_states, len(model.output_names)
     if directions is not None and not len(directions) + (nx if of_initial else 0):
         # Code made to follow derivatives has no plain values to call for none of them.
-        run = run_native(model, windows, parameters, None, solver, zero_hold=zero_hold)
+        run = run_native(
+            model, windows, parameters, None, solver,
+            zero_hold=zero_hold, optimised=optimised,
+        )  # fmt: skip
         return replace(run, sensitivities=np.zeros((n, ny, 0)))
     explicit = isinstance(solver, RungeKutta4)
     if explicit:
@@ -83,7 +86,7 @@ def run_native(
         model,
         along=None if directions is None else set(directions.tolist()),
         explicit=explicit,
-        optimised=n > WORTH_OPTIMISING,
+        optimised=optimised,
     )
     wanted = np.zeros(0, np.int64) if directions is None else directions
     rows = 0 if directions is None else n

@@ -75,12 +75,14 @@ def shoot(
         return replace(found, sensitivities=found.sensitivities[..., : len(directions)])
     if isinstance(solver, RungeKutta4):
         return _by_native_code(
-            model, shots, parameters, initial, directions, solver, hold, of_initial
-        )
+            model, shots, parameters, initial, directions, solver, hold, engine,
+            of_initial,
+        )  # fmt: skip
     if engine.compiles(model, len(shots.time)):
         native = _by_native_code(
-            model, shots, parameters, initial, directions, solver, hold, of_initial
-        )
+            model, shots, parameters, initial, directions, solver, hold, engine,
+            of_initial,
+        )  # fmt: skip
         failed = np.flatnonzero(~native.completed)
         if len(failed) == 0 or not reasons:
             return native
@@ -121,6 +123,7 @@ def _by_native_code(
     directions: Integers | None,
     solver: Solver,
     hold: Hold,
+    engine: Engine,
     of_initial: bool,
 ) -> Shooting:
     windows = Windows(
@@ -137,6 +140,7 @@ def _by_native_code(
         solver,
         zero_hold=hold is Hold.ZERO,
         of_initial=of_initial,
+        optimised=engine.optimises(len(shots.time)),
     )
     troubles = _troubles(model, shots, run.outputs, run.done, None)
     fine = np.array([trouble is None for trouble in troubles], dtype=np.bool_)

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from bondgraph.numeric.held_modes import with_modes_given
 from bondgraph.numeric.model import NumericModel
 from bondgraph.simulation.engines import Engine
-from bondgraph.simulation.native_shooting import WORTH_OPTIMISING
 from bondgraph.simulation.shots import Shots
 from bondgraph.simulation.solvers import Implicit
 from bondgraph.simulation.threads import in_parallel
@@ -136,7 +135,7 @@ def _fast(
     native = native_model(
         held,
         along=range(len(held.parameter_names)) if sensitive else None,
-        optimised=samples > WORTH_OPTIMISING,
+        optimised=engine.optimises(samples),
     )
     arguments = compiled_text(module_text([values_of(form.arguments, "arguments")]))
     fast = Fast(native.system, arguments["arguments"], True)
