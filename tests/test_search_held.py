@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bondgraph import BondGraph, I, R, Recording, Se, bind_to
+from bondgraph.diagnosis.search.base.beginnings import base_fit
 from bondgraph.diagnosis.search.considered import Setting
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.revising.exchange import Reached
@@ -30,13 +31,21 @@ def cart(*, rubs):
     return g.finish()
 
 
-def driven():
-    """Return its exact answer to a command that is held and always another."""
+def driven(within=1):
+    """Return its answer to a command that is always another, held or joined by lines.
+
+    It is held over so many parts of a sample: over many it follows the line.
+    """
     random = np.random.default_rng(2)
     time, force = STEP * np.arange(SAMPLES), random.normal(size=SAMPLES)
-    speed, decay = np.zeros(SAMPLES), np.exp(-VISCOUS / MASS * STEP)
+    speed, decay = np.zeros(SAMPLES), np.exp(-VISCOUS / MASS * STEP / within)
     for k in range(SAMPLES - 1):
-        speed[k + 1] = decay * speed[k] + (1 - decay) / VISCOUS * force[k]
+        now = speed[k]
+        for part in range(within):
+            along = (part + 0.5) / within if within > 1 else 0.0
+            push = (1 - along) * force[k] + along * force[k + 1]
+            now = decay * now + (1 - decay) / VISCOUS * push
+        speed[k + 1] = now
     channels = {"force": (force, "N"), "speed": (speed, "m/s")}
     recording = Recording.from_arrays("driven", time, channels)
     return bind_to(cart(rubs=True), recording)
@@ -96,3 +105,30 @@ def test_nothing_is_made_again_without_need_or_time(begun):
     assert held_as_found(as_wanted, begun[1], there, again)[2] is there
     late = found_with(fitted(Hold.FIRST, rubs=True), cut_short=True)
     assert held_as_found(*begun, late, again)[2] is late
+
+
+@pytest.mark.parametrize(
+    ("options", "hold"),
+    [
+        (Options(), Hold.ZERO),
+        (Options(either_hold=False), Hold.FIRST),
+        (Options(settings=FitSettings(hold=Hold.ZERO)), Hold.ZERO),
+    ],
+    ids=["nothing said", "as settings say", "held"],
+)
+def test_recordings_say_how_inputs_go_on_where_nobody_else_does(options, hold):
+    there = base_fit(
+        cart(rubs=True), [driven()], options.settings, np.full(1, 1e-6), options
+    )
+    assert there.problem.hold is hold
+
+
+def test_inputs_that_settings_hold_are_held_whatever_fits_better():
+    told = FitSettings(hold=Hold.ZERO)
+    for options, hold in [
+        (Options(settings=told), Hold.ZERO),
+        (Options(settings=told, either_hold=True), Hold.FIRST),
+    ]:
+        joined = [driven(within=20)]
+        there = base_fit(cart(rubs=True), joined, told, np.full(1, 1e-6), options)
+        assert there.problem.hold is hold

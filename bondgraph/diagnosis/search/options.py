@@ -10,6 +10,7 @@ from bondgraph.errors import FitError
 from bondgraph.fitting.estimate import FitSettings
 from bondgraph.physics.hypothesis import AbstractPhysics
 from bondgraph.physics.library import LIBRARY
+from bondgraph.simulation.solvers import Hold
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,7 +36,9 @@ class Options:
         interrupted goes on from there. None for no journal.
     either_hold
         Whether inputs may behave between samples as suits the base model better; False
-        for as `settings` say. What is held but taken for joined looks like a delay.
+        for as `settings` say. None for False where these say that inputs are held, and
+        True where they say nothing: what is held but taken for joined looks like a
+        delay.
     seconds
         After so many the search ends: what stands by then is the answer, and says that
         it was cut short. None for as long as it takes.
@@ -54,8 +57,15 @@ class Options:
     most_findings: int = 5
     where: Where = field(default_factory=Here)
     resume: Path | None = None
-    either_hold: bool = True
+    either_hold: bool | None = None
     seconds: float | None = None
+
+    @property
+    def recordings_decide_hold(self) -> bool:
+        """Whether inputs may behave between samples as suits the base model better."""
+        if self.either_hold is None:
+            return self.settings.hold is Hold.FIRST
+        return self.either_hold
 
     def __post_init__(self) -> None:
         refuse_other(self.settings, FitSettings, "What is to set the fits", FitError)

@@ -122,7 +122,7 @@ def _searched(
             supported_in(rounds),
         )  # fmt: skip
         found = one_round(setting, shop)
-        if options.either_hold and not shop.limit.passed:
+        if options.recordings_decide_hold and not shop.limit.passed:
             setting, reached, found = held_as_found(
                 setting, reached, found, lambda other: one_round(other, shop)
             )
@@ -160,7 +160,7 @@ def _handed_on(
     """Return what the search has come to: stepped, held, weighed as it now asks."""
     weighed = weighed_anew(fitted, reached.noise)
     base, current = reached.first, finely_stepped(weighed, reached.noise)
-    if options.either_hold:
+    if options.recordings_decide_hold:
         current = held_as_fits(current)
     now = current.problem
     if (now.solver, now.hold) != (base.problem.solver, base.problem.hold):

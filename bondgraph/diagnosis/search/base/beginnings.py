@@ -42,7 +42,7 @@ def base_fit(
     FitError
         If it cannot be simulated at all.
     """
-    fit = fitted_either_way if options.either_hold else fit_model
+    fit = fitted_either_way if options.recordings_decide_hold else fit_model
     base = fit(graph, recordings, settings)
     if not np.isfinite(base.optimum.cost):
         raise FitError(
