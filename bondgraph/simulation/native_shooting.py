@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +14,12 @@ from bondgraph.numeric.model import NumericModel
 from bondgraph.simulation.solvers import RungeKutta4, Sdirk2, Sdirk3
 from bondgraph.simulation.threads import in_parallel
 
+if TYPE_CHECKING:
+    from bondgraph.numeric.native.model import NativeSystem
+
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+SomeWindows = Callable[[int, int], None]
 WORTH_A_THREAD = 4000
 """Explicit steps; a shorter simulation ends before another thread has woken."""
 
@@ -98,26 +103,7 @@ def run_native(
     )
     given = (parameters, wanted, windows.time, windows.inputs, windows.initial)
     filled = (run.outputs, run.sensitivities, run.states, windows.edges)
-    simulate: Callable[[int, int], None]
-    if isinstance(solver, RungeKutta4):
-        from bondgraph.numeric.native.windows import explicit_windows  # noqa: PLC0415
-
-        def simulate(first: int, last: int) -> None:
-            explicit_windows(
-                native.system, solver.substeps, zero_hold, *given, *filled,
-                first, last, run.done,
-            )  # fmt: skip
-    else:
-        from bondgraph.numeric.native.implicit_step import Tableau  # noqa: PLC0415
-        from bondgraph.numeric.native.windows import implicit_windows  # noqa: PLC0415
-
-        method = Tableau(*solver.tableau, solver.substeps, zero_hold)
-
-        def simulate(first: int, last: int) -> None:
-            implicit_windows(
-                native.system, method, *given, *filled, first, last, run.done
-            )
-
+    simulate = _stepping(native.system, solver, zero_hold, given, filled, run.done)
     _share(simulate, len(run.done), n if explicit else IMPLICIT_STEP * n)
     for window in np.flatnonzero(run.done < windows.edges[1:] - windows.edges[:-1]):
         left = slice(
@@ -127,7 +113,36 @@ def run_native(
     return run
 
 
-def _share(simulate: Callable[[int, int], None], windows: int, steps: int) -> None:
+def _stepping(
+    system: "NativeSystem",
+    solver: RungeKutta4 | Sdirk2 | Sdirk3,
+    zero_hold: bool,
+    given: tuple[Array, Integers, Array, Array, Array],
+    filled: tuple[Array, Array, Array, Integers],
+    done: Integers,
+) -> SomeWindows:
+    """Return what simulates the windows from one to before another by that method."""
+    if isinstance(solver, RungeKutta4):
+        from bondgraph.numeric.native.windows import explicit_windows  # noqa: PLC0415
+
+        def explicitly(first: int, last: int) -> None:
+            explicit_windows(
+                system, solver.substeps, zero_hold, *given, *filled, first, last, done
+            )
+
+        return explicitly
+    from bondgraph.numeric.native.implicit_step import Tableau  # noqa: PLC0415
+    from bondgraph.numeric.native.windows import implicit_windows  # noqa: PLC0415
+
+    method = Tableau(*solver.tableau, solver.substeps, zero_hold)
+
+    def implicitly(first: int, last: int) -> None:
+        implicit_windows(system, method, *given, *filled, first, last, done)
+
+    return implicitly
+
+
+def _share(simulate: SomeWindows, windows: int, steps: int) -> None:
     """Simulate all windows, on several threads where they are long enough."""
     if steps < WORTH_A_THREAD:
         simulate(0, windows)
