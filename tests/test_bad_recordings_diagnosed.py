@@ -80,7 +80,14 @@ def diagnosed(channel: str, spoil: Spoil):
     ("channel", "spoil", "physics", "number", "value"),
     [
         ("velocity", lambda v: -v, "sensor_scale", "sensor_scale", -1.0),
-        ("position", lambda x: x / 1000, "sensor_scale", "sensor_scale", 1e-3),
+        pytest.param(
+            "position",
+            lambda x: x / 1000,
+            "sensor_scale",
+            "sensor_scale",
+            1e-3,
+            marks=pytest.mark.long,
+        ),
         ("velocity", lambda v: v + 0.3, "sensor_bias", "sensor_bias", 0.3),
         (
             "position",
@@ -89,7 +96,14 @@ def diagnosed(channel: str, spoil: Spoil):
             "sensor_lower_limit",
             -0.19,
         ),
-        ("velocity", np.abs, "sensor_nonlinearity", "rectified", 1.0),
+        pytest.param(
+            "velocity",
+            np.abs,
+            "sensor_nonlinearity",
+            "rectified",
+            1.0,
+            marks=pytest.mark.long,
+        ),
     ],
     ids=["wrong sign", "wrong unit", "wrong zero", "saturated", "without a sign"],
 )
@@ -109,7 +123,7 @@ def test_what_a_sensor_gets_wrong_is_found_at_that_sensor(
 @pytest.mark.parametrize(
     ("spoil", "factor", "words"),
     [
-        (lambda u: -u, -1.0, "with the wrong sign"),
+        pytest.param(lambda u: -u, -1.0, "with the wrong sign", marks=pytest.mark.long),
         (lambda u: u / 1000, 1e3, "in a unit a thousand times larger than it says"),
     ],
     ids=["wrong sign", "wrong unit"],
@@ -220,7 +234,10 @@ MIRRORED = (
 
 @pytest.mark.parametrize(
     ("known", "said"),
-    [({"std": 0.02}, SWAPPED), ({}, MIRRORED)],
+    [
+        ({"std": 0.02}, SWAPPED),
+        pytest.param({}, MIRRORED, marks=pytest.mark.long),
+    ],
     ids=["known masses", "free masses"],
 )
 def test_inputs_of_one_kind_that_were_swapped_are_told_as_that(known, said):

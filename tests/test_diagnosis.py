@@ -53,12 +53,13 @@ def diagnosed(graph, **concealed):
         ({"coulomb": 1.0}, free_cart, "coulomb_friction", "coulomb_wheel", 1.0),
         ({"drag": 1.5}, free_cart, "quadratic_drag", "quadratic_wheel", 1.5),
         ({"spring": 8.0}, free_cart, "spring", "stiffness_wheel", 8.0),
-        (
+        pytest.param(
             {"stiffness": 40.0, "coulomb": 0.8},
             sprung_cart,
             "coulomb_friction",
             "coulomb_wheel",
             0.8,
+            marks=pytest.mark.long,
         ),
     ],
     ids=["coulomb", "drag", "spring", "coulomb beside a spring"],
@@ -131,6 +132,7 @@ def test_what_is_held_out_changes_no_choice():
     assert "does not carry over" in silly.statement
 
 
+@pytest.mark.long
 def test_a_law_outside_the_library_is_told_as_a_curve():
     library = tuple(
         physics for physics in Options().library if physics.word == "unknown_relation"
@@ -171,6 +173,7 @@ def test_gains_on_chunks_count_the_scatter_between_them():
     assert compare(before, before).value == 0.0
 
 
+@pytest.mark.long
 @real
 def test_emps_misses_coulomb_friction():
     graph = load_model(str(ROOT / "examples/recordings/emps.py"))
@@ -251,6 +254,7 @@ def test_silverbox_hardens():
     assert diagnosis.held_out.before.rmse["response"] > 6e-3
 
 
+@pytest.mark.long
 @real
 def test_a_damper_with_memory_is_not_called_coulomb():
     graph = load_model(str(ROOT / "examples/recordings/damper.py"))
@@ -270,6 +274,7 @@ def test_a_damper_with_memory_is_not_called_coulomb():
     assert diagnosis.held_out.after.rmse["friction_force"] < 1360  # N; Coulomb: 6600
 
 
+@pytest.mark.long
 @real
 def test_a_draining_tank_follows_torricelli():
     graph = load_model(str(ROOT / "examples/recordings/draining_tank.py"))

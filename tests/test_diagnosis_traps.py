@@ -86,6 +86,7 @@ def test_wrong_start_values_are_not_missing_physics():
     assert diagnosis.fit_before.estimate("mass").value == pytest.approx(1.3, rel=0.01)
 
 
+@pytest.mark.long
 def test_coloured_noise_of_a_sensor_is_not_physics():
     training, held_out = pair(1, noise=5e-4, coloured=0.95)
     diagnosis = diagnosed(cart(), training, held_out)

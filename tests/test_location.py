@@ -24,7 +24,11 @@ def fitted(truth, *, load_encoder, seed=0, samples=1000):
 
 @pytest.mark.parametrize(
     ("truth", "load_encoder"),
-    [("coulomb_load", True), ("coulomb_load", False), ("brush", False)],
+    [
+        ("coulomb_load", True),
+        ("coulomb_load", False),
+        pytest.param("brush", False, marks=pytest.mark.long),
+    ],
 )
 def test_the_true_place_leads(truth, load_encoder):
     location = locate(*fitted(truth, load_encoder=load_encoder))

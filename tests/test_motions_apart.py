@@ -195,6 +195,7 @@ def diagnosis():
     return diagnose(graph, [train], held_out=[held])
 
 
+@pytest.mark.long
 def test_a_spinning_wheel_between_two_axes_is_found_between_them(diagnosis):
     (finding,) = diagnosis.findings
     assert finding.physics == "gyroscopic_coupling"
@@ -206,6 +207,7 @@ def test_a_spinning_wheel_between_two_axes_is_found_between_them(diagnosis):
     assert "apart" not in diagnosis.next_experiment
 
 
+@pytest.mark.long
 def test_the_other_end_is_told_to_programs(diagnosis):
     (finding,) = diagnosis_to_dict(diagnosis)["findings"]
     assert finding["other_end"] == "tilt"

@@ -101,6 +101,7 @@ def test_a_part_is_begun_there_with_a_tenth_of_the_inertia_at_most():
     assert max(masses) == pytest.approx(0.1 * fitted.values["mass"])
 
 
+@pytest.mark.long
 def test_a_light_part_that_rings_fast_is_found_and_measured():
     answer = diagnose(
         stage(),

@@ -10,6 +10,10 @@ import pytest
 ROOT = Path(__file__).parent.parent
 FOLDER = ROOT / "docs" / "tutorials"
 TUTORIALS = sorted(FOLDER.glob("*.ipynb"))
+MARKED = [
+    pytest.param(one, marks=pytest.mark.long) if "motor" in one.stem else one
+    for one in TUTORIALS
+]
 EXECUTE = runpy.run_path(str(ROOT / "docs" / "tutorials" / "execute.py"))
 
 
@@ -24,7 +28,7 @@ def kinds(notebook):
     ]
 
 
-@pytest.mark.parametrize("path", TUTORIALS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", MARKED, ids=lambda path: path.stem)
 def test_a_tutorial_runs_and_shows_what_is_kept_in_it(path, tmp_path):
     again = EXECUTE["tidied"](EXECUTE["executed"](path, tmp_path))
     assert kinds(again) == kinds(nbformat.read(path, as_version=4))

@@ -74,6 +74,7 @@ def recorded(graph, seed, samples=900):
     return bind_to(graph, Recording.from_arrays(f"run {seed}", time, channels))
 
 
+@pytest.mark.long
 def test_a_damper_that_its_coil_stiffens_is_told_as_a_curve_of_the_current():
     graph = suspension()
     library = (UnknownRelation(), QuadraticDrag(), CoulombFriction())

@@ -52,6 +52,7 @@ def recorded(graph, seed, samples=700, step=4.0, parts=20):
     return bind_to(graph, Recording.from_arrays(f"run {seed}", time, channels))
 
 
+@pytest.mark.long
 def test_a_vessel_of_another_shape_is_told_as_the_curve_of_what_it_holds():
     graph = vessel()
     library = (UnknownRelation(), QuadraticDrag(), CoulombFriction(), Radiation())
