@@ -6,6 +6,7 @@ every recording, they are not proposed.
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import sympy
 
@@ -244,7 +245,9 @@ class EndStop(AbstractPhysics):
             f"{', with losses from the first touch' if at_once else ''}"
         )
         edit = place.insert(element, stop, k, d)
-        return self.hypothesis(place, edit, law, (stop, k, d), words)
+        known = self.hypothesis(place, edit, law, (stop, k, d), words)
+        # What only brakes there, and never pushes back, stops nothing.
+        return replace(known, essential=(k.name,))
 
 
 class Cogging(AbstractPhysics):
