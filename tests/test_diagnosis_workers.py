@@ -110,6 +110,20 @@ def test_a_step_may_take_half_of_the_time_left():
     assert Limit.after(None).of_step() == Limit().end == math.inf
 
 
+def test_what_shares_the_time_leaves_half_of_it_and_counts_what_it_left_undone():
+    limit = Limit.after(100.0)
+    end = limit.end
+    with limit.shared():
+        assert limit.end - time.monotonic() == pytest.approx(50.0, abs=1.0)
+        limit.undone += 1
+    assert (limit.end, limit.undone) == (end, 1)
+    with pytest.raises(KeyboardInterrupt), limit.shared():
+        raise KeyboardInterrupt
+    assert limit.end == end
+    with (endless := Limit()).shared():
+        assert endless.end == math.inf
+
+
 def test_progress_counts_what_is_done():
     heard = []
     done(Here(), heard=heard.append)

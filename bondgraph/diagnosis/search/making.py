@@ -5,6 +5,7 @@ where the first one it found, from a model that has run away, leaves much.
 """
 
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate
@@ -67,14 +68,16 @@ def or_two(
     """Return what was made of a round, or two laws where these explain far more.
 
     They are tried where it found none with a name, or one that may only mend: then
-    those of one kind alone.
+    those of one kind alone. Beside what an earlier round has found they leave time for
+    a curve in its place: there are many pairs, and it may only come near.
     """
     ((found,), _, _) = one
     chosen = found.chosen
     named = chosen is not None and chosen.physics != CURVE
     if named and not _may_mend(setting, found):
         return one
-    two = _two_made(setting, reached, found, authored, shop, kindred=named)
+    with nullcontext() if setting.is_first else shop.limit.shared():
+        two = _two_made(setting, reached, found, authored, shop, kindred=named)
     left, left_by_two = 1.0 - explained(one[0]), 1.0 - explained(two[0])
     instead = chosen is None or left_by_two < NAMES_TWO * left
     return two if instead else one

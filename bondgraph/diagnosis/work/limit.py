@@ -7,6 +7,8 @@ done when the work goes on.
 """
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from time import monotonic
 
@@ -40,6 +42,15 @@ class Limit:
     def passed(self) -> bool:
         """Whether time has run out."""
         return monotonic() >= self.end
+
+    @contextmanager
+    def shared(self) -> Iterator[None]:
+        """Leave what comes after its share of the time that is left now."""
+        whole, self.end = self.end, self.of_step()
+        try:
+            yield
+        finally:
+            self.end = whole
 
     def of_step(self) -> float:
         """Return when a step that begins now has to end, on the monotonic clock."""
