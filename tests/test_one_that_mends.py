@@ -1,5 +1,6 @@
 """A first law that may only mend what has run away: one law at two places instead."""
 
+import time
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,6 +13,7 @@ from bondgraph.diagnosis.search import making as module
 from bondgraph.diagnosis.search.making import or_two
 from bondgraph.diagnosis.search.revising.removal import Pruned
 from bondgraph.diagnosis.search.round_found import Round
+from bondgraph.diagnosis.work.limit import Limit
 
 FITTED = object()
 
@@ -25,10 +27,17 @@ def told(gain, physics="lag"):
 
 def asked(monkeypatch, found, pair, *, first=True, away=True, left=0.5):
     """Return what is made of a round, and whether kindred pairs alone were tried."""
-    tried = []
+    made, tried, _ = timed(monkeypatch, found, pair, first=first, away=away, left=left)
+    return made, tried
 
-    def two_rounds(*_, kindred):
+
+def timed(monkeypatch, found, pair, *, first=True, away=True, left=0.5):
+    """Return the same, and how many of a hundred seconds the pairs had."""
+    tried, had = [], []
+
+    def two_rounds(*given, kindred):
         tried.append(kindred)
+        had.append(given[-1].limit.end - time.monotonic())
         return pair
 
     monkeypatch.setattr(module, "two_rounds", two_rounds)
@@ -43,8 +52,9 @@ def asked(monkeypatch, found, pair, *, first=True, away=True, left=0.5):
     )
     reached = SimpleNamespace(current=None, added=())
     one = ((found,), FITTED, ())
-    made, *_ = or_two(setting, reached, one, {}, None)
-    return made, tried
+    shop = SimpleNamespace(limit=Limit.after(100.0))
+    made, *_ = or_two(setting, reached, one, {}, shop)
+    return made, tried, had
 
 
 @pytest.mark.parametrize(("by_two", "taken"), [(0.7, True), (0.55, False)])
@@ -72,3 +82,11 @@ def test_no_pair_is_tried_for_a_law_that_stands(monkeypatch, known):
 def test_for_a_curve_any_two_laws_are_tried(monkeypatch):
     _, tried = asked(monkeypatch, told(0.5, CURVE), (), first=False)
     assert tried == [False]
+
+
+@pytest.mark.parametrize(("first", "seconds"), [(True, 100.0), (False, 50.0)])
+def test_beside_what_was_found_pairs_leave_half_of_the_time(
+    monkeypatch, first, seconds
+):
+    *_, had = timed(monkeypatch, told(0.5, CURVE), (), first=first)
+    assert had == [pytest.approx(seconds, abs=1.0)]

@@ -85,8 +85,6 @@ class Hypothesis:
         Physics words of which this law is a superset at the same place.
     strengths
         The parameters at whose 0 it has no effect, whatever the others are.
-    essential
-        Those of them without which it is no longer this law, whatever is left of it.
     also
         Other names of the same place in the user's model.
     smoothing
@@ -111,7 +109,6 @@ class Hypothesis:
     starts: tuple[Mapping[str, float], ...]
     extends: tuple[str, ...] = ()
     strengths: tuple[str, ...] = ()
-    essential: tuple[str, ...] = ()
     also: tuple[str, ...] = ()
     smoothing: tuple[str, ...] = ()
     factor: sympy.Expr = sympy.S.One

@@ -6,7 +6,6 @@ every recording, they are not proposed.
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 
 import sympy
 
@@ -245,9 +244,7 @@ class EndStop(AbstractPhysics):
             f"{', with losses from the first touch' if at_once else ''}"
         )
         edit = place.insert(element, stop, k, d)
-        known = self.hypothesis(place, edit, law, (stop, k, d), words)
-        # What only brakes there, and never pushes back, stops nothing.
-        return replace(known, essential=(k.name,))
+        return self.hypothesis(place, edit, law, (stop, k, d), words)
 
 
 class Cogging(AbstractPhysics):

@@ -31,6 +31,7 @@ from bondgraph.diagnosis.search.pairs.two import (
 )
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.diagnosis.search.trials.bench import Bench
+from bondgraph.diagnosis.search.trials.impossible import impossible
 from bondgraph.diagnosis.search.trials.worth import fault_of, worth_judging
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.physics.names import name_of
@@ -104,13 +105,15 @@ def _worth(setting: Setting, pairing: Pairing) -> list[Pair]:
 
 
 def _is_worth(setting: Setting, pair: Pair) -> bool:
-    """Return whether each law is worth judging beside the other."""
+    """Return whether each law is worth judging beside the other, and may be there."""
     ways = (
         (pair.first.fitted, pair.both),
         (pair.second.fitted, _with_both(pair, pair.first)),
     )
     return pair.both.reduction(setting.base) >= WORTH / 2 and all(
-        worth_judging(base, [added], setting.recordings)[0] for base, added in ways
+        worth_judging(base, [added], setting.recordings)[0]
+        and impossible(added) is None
+        for base, added in ways
     )
 
 

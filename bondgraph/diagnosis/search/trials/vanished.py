@@ -4,9 +4,7 @@ A state that a hypothesis adds begins anew in every window. With next to no stre
 and an enormous state to begin with, a law lends its form to whatever disturbs the
 machine: a mass of nothing on a spring swings as one likes. No fit finds the way back
 from there, for all that it has learnt is in those states; it is begun again with an
-effect, and set aside where it ends there again. So is a law that has let go of what
-makes it one: a stop that no longer pushes back lends its losses to a friction that
-changes along the way.
+effect, and set aside where it ends there again.
 """
 
 from collections.abc import Mapping, Sequence
@@ -44,14 +42,8 @@ def without_vanished(
 ) -> tuple[list[Candidate], tuple[Rejected, ...]]:
     """Return the candidates of which something is left, and the others."""
     kept = [one for one in candidates if not has_vanished(one)]
-    gone = (one for one in candidates if has_vanished(one))
-    return kept, tuple(Rejected(one.hypothesis, _reason(one)) for one in gone)
-
-
-def _reason(candidate: Candidate) -> str:
-    """Return why a law is set aside of which nothing is left, or not enough."""
-    lost = _lost(candidate.hypothesis, candidate.fitted.values)
-    return f"where it fits best {', '.join(lost)} is none" if lost else REASON
+    gone = (one.hypothesis for one in candidates if has_vanished(one))
+    return kept, tuple(Rejected(hypothesis, REASON) for hypothesis in gone)
 
 
 def has_vanished(candidate: Candidate) -> bool:
@@ -60,12 +52,7 @@ def has_vanished(candidate: Candidate) -> bool:
 
 
 def is_nothing(hypothesis: Hypothesis, values: Mapping[str, float]) -> bool:
-    """Return whether nothing is left of a law, or not what makes it this one.
-
-    Nothing is left where no strength is above what is as good as none.
-    """
-    if _lost(hypothesis, values):
-        return True
+    """Return whether no strength of a law is above what is as good as none."""
     if not hypothesis.strengths or not hypothesis.silent_starts:
         return False
     none, some = hypothesis.silent_starts[0], _with_effect(hypothesis)
@@ -73,16 +60,6 @@ def is_nothing(hypothesis: Hypothesis, values: Mapping[str, float]) -> bool:
         0.0 < abs(values[n]) <= max(abs(none[n]), NOTHING * abs(some[n]))
         for n in hypothesis.strengths
     )
-
-
-def _lost(hypothesis: Hypothesis, values: Mapping[str, float]) -> list[str]:
-    """Return which of the strengths have gone without which it is another law."""
-    some = _with_effect(hypothesis)
-    return [
-        name
-        for name in hypothesis.essential
-        if abs(values[name]) <= NOTHING * abs(some[name])
-    ]
 
 
 def _with_effect(hypothesis: Hypothesis) -> dict[str, float]:
