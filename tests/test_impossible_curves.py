@@ -10,7 +10,8 @@ from bondgraph.diagnosis.candidates import Candidate, propose_all
 from bondgraph.diagnosis.evidence.judged import judge
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
-from bondgraph.diagnosis.search.laws import finer
+from bondgraph.diagnosis.search.laws import drawing
+from bondgraph.diagnosis.search.laws.drawing import drawn_finely
 from bondgraph.diagnosis.search.trials.impossible import (
     BEYOND_COMMAND,
     NEGATIVE_LOSS,
@@ -108,7 +109,7 @@ def fanned(heights, *, finely=False):
     numbers = dict(zip(law.strengths, heights, strict=True))
     if finely:
         drawn = UnknownRelation(Smooth(tuple(heights), 8, 1.0))
-        law = finer._proposed(SimpleNamespace(base=base), law, drawn)
+        law = drawing._proposed(SimpleNamespace(base=base), law, drawn)
         numbers = law.starts[0]
     fitted = restored(base, Trial(law, (Start({**base.values, **numbers}),)))
     return Candidate(law, fitted, len(heights))
@@ -152,7 +153,8 @@ def test_what_no_element_has_is_not_drawn_finely(monkeypatch):
         def candidates(self, *_):
             return [self.ends]
 
-    bench = Bench()
-    monkeypatch.setattr(finer, "_proposed", lambda *_: broken.hypothesis)
+    bench, smooth = Bench(), Smooth((0.5, 0.0, -0.3, -0.9), 8, 1.0)
+    begin = Start.where_ended(broken.fitted)
+    monkeypatch.setattr(drawing, "_proposed", lambda *_: broken.hypothesis)
     for bench.ends, drawn in ((broken, broken), (curved, None)):
-        assert finer._drawn(bench, broken, broken, 1.0, odd=False) is drawn
+        assert drawn_finely(bench, broken.hypothesis, smooth, begin) is drawn

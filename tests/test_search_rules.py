@@ -139,7 +139,7 @@ def curves(smooth=None):
     }
 
 
-def drawn(hypothesis, values):
+def drawn(hypothesis, values, ends=(-0.49, 0.49), points=41):
     """Return the law within the range visited, with such values of what is fitted."""
     known = {p.name: p.value for p in hypothesis.edit.parameters if p.exact}
     known |= values
@@ -147,7 +147,8 @@ def drawn(hypothesis, values):
     (x,) = [s for s in symbols if s.name not in known][:1]
     rest = {s: known.get(s.name, 1.0) for s in symbols if s is not x}
     curve = sympy.lambdify(x, hypothesis.law.subs(rest))
-    return [curve(at) for at in np.linspace(-0.49, 0.49, 41)]
+    at = np.linspace(*ends, points)
+    return np.broadcast_to(curve(at), at.shape)
 
 
 def test_a_smooth_curve_begins_as_the_first_one():
@@ -156,11 +157,25 @@ def test_a_smooth_curve_begins_as_the_first_one():
         count = len(first.strengths)
         heights = draw.normal(size=count)
         second = curves(Smooth((*heights, 0.0, 0.0), 4, 1.0))[key]
-        # Level and slope, and a bend at every knot but the ends; friction jumps, too.
+        # Level and slope, and a bend at every knot but the ends; friction jumps, in
+        # place of one bend.
         jumps = "function of velocity" in key[1]
-        assert len(second.strengths) == 4 * (count - 1) + 1 + jumps
+        assert len(second.strengths) == 4 * (count - 1) + 1
+        assert any("_jump_" in name for name in second.strengths) == jumps
         before = drawn(first, dict(zip(first.strengths, heights, strict=True)))
         assert np.allclose(before, drawn(second, second.starts[0]), atol=1e-9), key
+
+
+@pytest.mark.parametrize("odd", [False, True])
+def test_no_number_of_a_smooth_curve_is_told_by_its_others(odd):
+    smooth = Smooth((0.0, 1.0, 3.0, 2.0, 1.0, 4.0, 0.0, 2.0), 4, 1.0, odd=odd)
+    of_one = [one for (_, words), one in curves(smooth).items() if "function" in words]
+    assert len(of_one) == 2
+    for curve in of_one:
+        own = curve.strengths
+        each = [{name: float(name == one) for name in own} for one in own]
+        parts = [drawn(curve, one, (-3.0, 3.0), 2001) for one in each]
+        assert np.linalg.matrix_rank(parts) == len(own), curve.words
 
 
 def test_a_curve_that_is_the_same_both_ways_begins_as_half_of_what_turns_round():

@@ -12,6 +12,9 @@ WEAKLY = 3.0
 the recordings where these tell them, and not wholly open where another law shares them.
 """
 
+LINES = ("level", "slope")
+"""What the straight parts of a curve are called."""
+
 
 @dataclass(frozen=True)
 class Part:

@@ -50,12 +50,15 @@ class Smooth:
         Soc. B 40, 1978).
     odd
         Whether it is the same both ways, where it goes enough of both.
+    without
+        Of its `LINES` those that stay zero: others in the model take them.
     """
 
     heights: tuple[float, ...]
     pieces: int
     roughness: float
     odd: bool = False
+    without: frozenset[str] = frozenset()
 
     @property
     def size(self) -> float:
@@ -100,21 +103,24 @@ def smooth_curve(
         own.append(replace(coefficient, parameter=parameter, starts=(float(start),)))
         return coefficient.symbol
 
-    if edge := _edge(first):
+    edge = _edge(first)
+    if edge:
+        # The jump bends where it ends: there it takes the place of a bend.
         jump = Part("jump", partial(ramp, edge=edge), WEAKLY)
-        back, there = smooth.begin(np.array([-edge, edge]), first)
-        height = (there - back) / 2.0
+        height = -edge * float(_changes(knots, rest)[_at(knots, edge)])
         rest = rest - height * jump.curve(np.array(knots))
         on_grid = on_grid - height * jump.curve(grid)
         terms.append(free(jump, height) * jump.curve(x))
     straight, bent = _drawn(x, knots, odd)
     starts = _nearest(lines, grid) @ on_grid
     for line, start, curve in zip(lines, starts, straight, strict=True):
-        terms.append(free(line, start) * curve)
-    changes = np.diff(np.diff(rest) / np.diff(knots))
-    for bend, change, curve in zip(bends, changes, bent, strict=True):
-        symbol = free(bend, change, smooth.roughness * smooth.size)
-        terms.append(symbol * curve)
+        if line.name not in smooth.without:
+            terms.append(free(line, start) * curve)
+    inner = zip(knots[1:-1], bends, _changes(knots, rest), bent, strict=True)
+    for at, bend, change, curve in inner:
+        if not edge or not np.isclose(at, edge):
+            symbol = free(bend, change, smooth.roughness * smooth.size)
+            terms.append(symbol * curve)
     return sympy.Add(*terms), tuple(own)
 
 
@@ -140,6 +146,17 @@ def _drawn(
 def _nearest(lines: Sequence[Part], grid: FloatArray) -> FloatArray:
     """Return what gives, of a curve on a grid, the sizes of the lines nearest to it."""
     return np.linalg.pinv(np.column_stack([line.curve(grid) for line in lines]))
+
+
+def _changes(knots: Knots, heights: FloatArray) -> FloatArray:
+    """Return by how much the slope changes at each knot that has two neighbours."""
+    changes: FloatArray = np.diff(np.diff(heights) / np.diff(knots))
+    return changes
+
+
+def _at(knots: Knots, x: float) -> int:
+    """Return which of the knots that have two neighbours is nearest to `x`."""
+    return int(np.argmin(np.abs(np.array(knots[1:-1]) - x)))
 
 
 def _one_way(knots: Knots) -> Knots:

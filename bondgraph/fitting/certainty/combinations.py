@@ -24,6 +24,9 @@ FLAT = 1e-9
 DEAD = 1e-18
 """Of the largest squared relative effect: one that rounding alone could make."""
 
+PART = 0.05
+"""A parameter takes part in a direction from this share of the largest on."""
+
 DENOMINATOR = 4
 ROUNDED = 0.02
 
@@ -73,6 +76,21 @@ def flat_directions(hessian: Array) -> Array:
             row[alive] = vector / scale
             rows.append(row / np.linalg.norm(row))
     return np.array(rows).reshape(len(rows), n)
+
+
+def taking_part(null: Array, hessian: Array) -> NDArray[np.bool_]:
+    """Return which parameters take part in flat directions.
+
+    By their steps, or by what these do: one that is far from zero makes small relative
+    steps beside one that is near zero and stands for as much.
+    """
+    if not len(null):
+        return np.zeros(len(hessian), bool)
+    effect = np.abs(null) * np.sqrt(np.maximum(np.diag(hessian), 0.0))
+    most = effect.max(axis=1, keepdims=True)
+    shares = np.divide(effect, most, out=np.zeros_like(effect), where=most > 0.0)
+    taking: NDArray[np.bool_] = np.maximum(np.abs(null), shares).max(axis=0) > PART
+    return taking
 
 
 def relative(local: Local) -> Array:

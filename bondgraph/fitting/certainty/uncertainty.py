@@ -20,7 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.fitting.certainty.colour import Colour, colour_of
-from bondgraph.fitting.certainty.combinations import FLAT, flat_directions, size_of
+from bondgraph.fitting.certainty.combinations import (
+    FLAT,
+    flat_directions,
+    size_of,
+    taking_part,
+)
 from bondgraph.fitting.levenberg_marquardt import Optimum
 from bondgraph.fitting.loss import mean_curvature, weight_of
 from bondgraph.fitting.noise import whitened
@@ -83,8 +88,9 @@ def uncertainty(problem: FitProblem, optimum: Optimum) -> Uncertainty:
     largest = np.maximum(np.diag(by_blocks), np.diag(by_colour))
     std: Array = np.sqrt(np.maximum(largest, 0.0))
     size = size_of(optimum.theta)
-    null = flat_directions(hessian * np.outer(size, size))
-    involved = np.abs(null).max(axis=0) > 0.05 if len(null) else np.zeros(nq, bool)
+    relative = hessian * np.outer(size, size)
+    null = flat_directions(relative)
+    involved = taking_part(null, relative)
     stretch = max((colour.stretch for colour in colours), default=1.0)
     dof = np.where(wide, blocks - 1, max(count / stretch - nq, 1.0))
     return Uncertainty(

@@ -15,20 +15,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.candidates import CURVE, Candidate
+from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence.gain import compare
 from bondgraph.diagnosis.evidence.judged import Judged
-from bondgraph.diagnosis.evidence.left_out import LeftOutErrors, left_out_errors
-from bondgraph.diagnosis.probing import measure_scales
+from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.laws.drawing import Drawing, drawn_finely, told_apart
 from bondgraph.diagnosis.search.trials.bench import Bench
-from bondgraph.diagnosis.search.trials.impossible import impossible
-from bondgraph.diagnosis.search.trials.trying import Start, Trial, fit_fully
-from bondgraph.physics.curves import BOTH_WAYS
-from bondgraph.physics.hypothesis import Hypothesis
-from bondgraph.physics.places.everywhere import all_places
+from bondgraph.diagnosis.search.trials.trying import Start
 from bondgraph.physics.smooth import Smooth
-from bondgraph.physics.unknown import UnknownRelation
 
 Array = NDArray[np.float64]
 
@@ -64,13 +59,14 @@ def as_fine_as_told(bench: Bench, chosen: Judged, before: LeftOutErrors) -> Judg
     if chosen.physics != CURVE:
         return chosen
     chunks = len(chosen.errors.chunks)
-    first = _Drawing(chosen.candidate, chunks)
+    first = Drawing(chosen.candidate, chunks)
     drawings = [first]
     for odd in (False, True):
         drawings += _rougher_and_rougher(bench, first, odd)
     best = _that_carries_over(drawings)
     if best is first:
         return chosen
+    best = told_apart(bench, first, best)
     errors = replace(best.errors, noise=chosen.errors.noise)
     gain = compare(before, errors)
     reason = f"reduces the left-out error by {gain}"
@@ -159,28 +155,7 @@ def _rivals(chosen: Judged, judged: Sequence[Judged]) -> list[Judged]:
     return [max(way, key=lambda one: one.gain.value) for way in ways if way]
 
 
-class _Drawing:
-    """A curve, and how well it predicts chunks that are left out.
-
-    Every fourth of them, or a quarter of all in one piece.
-    """
-
-    def __init__(self, candidate: Candidate, chunks: int) -> None:
-        self.candidate, self.chunks = candidate, chunks
-        self.errors = left_out_errors(candidate.fitted, chunks)
-        self.typical = float(_logs(self.errors).mean())
-        """Mean log of the squared errors on left-out chunks."""
-        self.in_one = _logs(left_out_errors(candidate.fitted, chunks, in_one=True))
-        """Log of the squared error of each, with its quarter left out."""
-
-
-def _logs(errors: LeftOutErrors) -> Array:
-    """Return the logs of the squared errors on left-out chunks."""
-    left = errors.chunks
-    return np.asarray(np.log(np.maximum(left, 1e-12 * left.max())))
-
-
-def _that_carries_over(drawings: Sequence[_Drawing]) -> _Drawing:
+def _that_carries_over(drawings: Sequence[Drawing]) -> Drawing:
     """Return the one that predicts best of those that carry over to whole quarters.
 
     As well as the first one, and within a standard error as well as the one that does
@@ -197,57 +172,23 @@ def _that_carries_over(drawings: Sequence[_Drawing]) -> _Drawing:
     return min(reversed(carry), key=lambda one: one.typical)
 
 
-def _rougher_and_rougher(bench: Bench, first: _Drawing, odd: bool) -> list[_Drawing]:
+def _rougher_and_rougher(bench: Bench, first: Drawing, odd: bool) -> list[Drawing]:
     """Return the curve drawn finely, rougher as long as left-out data want it so."""
-    drawings: list[_Drawing] = []
-    start = first.candidate
+    drawings: list[Drawing] = []
+    start, strengths = first.candidate, first.candidate.hypothesis.strengths
+    heights = tuple(start.fitted.values[name] for name in strengths)
     for roughness in ROUGHNESS:
-        found = _drawn(bench, first.candidate, start, roughness, odd)
+        smooth = Smooth(heights, PIECES, roughness, odd)
+        begin = Start.where_ended(start.fitted)
+        found = drawn_finely(bench, first.candidate.hypothesis, smooth, begin)
         if found is None and odd:
             break  # No roughness makes a curve go both ways.
         if found is None:
             continue
-        drawn = _Drawing(found, first.chunks)
+        drawn = Drawing(found, first.chunks, smooth)
         best = min((one.typical for one in drawings), default=np.inf)
         drawings.append(drawn)
         if best < drawn.typical and best <= first.typical:
             break
         start = found
     return drawings
-
-
-def _drawn(
-    bench: Bench, first: Candidate, start: Candidate, roughness: float, odd: bool
-) -> Candidate | None:
-    """Return the first curve drawn finely, fitted from where another fit has ended.
-
-    None where it cannot be: where no curve there is the same both ways, say, or no
-    element has such a one.
-    """
-    values = first.fitted.values
-    heights = tuple(values[name] for name in first.hypothesis.strengths)
-    smooth = Smooth(heights, PIECES, roughness, odd)
-    physics = UnknownRelation(smooth, first.hypothesis.visited)
-    hypothesis = _proposed(bench, first.hypothesis, physics)
-    if hypothesis is None or (odd and BOTH_WAYS not in hypothesis.words):
-        return None
-    begin = Start.where_ended(start.fitted)
-    known = {**hypothesis.starts[0], **begin.values}
-    trial = Trial(hypothesis, (replace(begin, values=known),))
-    found = bench.candidates([trial], bench.run(fit_fully, [trial], "a smooth curve"))
-    return None if not found or impossible(found[0]) else found[0]
-
-
-def _proposed(
-    bench: Bench, first: Hypothesis, physics: UnknownRelation
-) -> Hypothesis | None:
-    """Return the same curve as another form of the physics proposes it."""
-    plain = UnknownRelation()
-    same = [
-        finer
-        for place in all_places(bench.base.graph, measure_scales(bench.base))
-        if place.name == first.place
-        for form, finer in zip(plain.forms(place), physics.forms(place), strict=True)
-        if form().words == first.words
-    ]
-    return same[0]() if len(same) == 1 else None

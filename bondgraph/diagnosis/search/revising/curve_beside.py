@@ -46,6 +46,12 @@ NOISE_ALONE, FAR_FROM_IT = 0.5, 0.75
 and laws with names are not where this share of what they leave is not.
 """
 
+WITHIN_REACH, IN_PLACE_OF_DRY = 0.95, 0.2
+"""In place of dry friction only one that leaves no more than the second of these, for a
+curve follows what dry friction of a real machine leaves, too. That costs its drawing,
+and none that leaves more than the first with few knots comes down to it with many.
+"""
+
 DRY = frozenset({
     CoulombFriction.word, DirectionDependentFriction.word, StribeckFriction.word,
     LoadDependentFriction.word,
@@ -150,19 +156,28 @@ def told_if_fine(
         it does not look white to a single channel. No model comes down to what is none.
     """
     made, first = made_in(rounds), rounds[0]
-    named = made and all(one.physics not in {CURVE, *DRY} for one in made)
+    named = made and all(one.physics != CURVE for one in made)
     chosen, left = first.chosen, rounds[-1].base
     if not named or chosen is None or explainable(left, floor) <= FAR_FROM_IT:
         return None
+    most, worth = NOISE_ALONE, list(first.judged)
+    if any(one.physics in DRY for one in made):
+        most = IN_PLACE_OF_DRY
+        worth = [one for one in worth if _within_reach(one, floor)]
     before = left_out_errors(first.base, chosen.errors.chunks.size)
     bench = Bench.of(first.base, shop, "round 1")
     all_named = _dealt_like(made[-1], chosen)
-    for curve, fine in drawn_as_near(bench, chosen, first.judged, before):
+    for curve, fine in drawn_as_near(bench, chosen, worth, before):
         held = _held_against(all_named, rounds, 0, fine)
-        all_there_is = explainable(fine.candidate.fitted, floor) <= NOISE_ALONE
+        all_there_is = explainable(fine.candidate.fitted, floor) <= most
         if all_there_is and clearly_better(fine, all_named, rule):
             return replace(held, curve=curve)
     return None
+
+
+def _within_reach(curve: Judged, floor: Array) -> bool:
+    """Return whether a curve that has few knots may leave noise alone with many."""
+    return explainable(curve.candidate.fitted, floor) <= WITHIN_REACH
 
 
 def _curves_beside(rounds: Sequence[Round]) -> list[BetterCurve]:
