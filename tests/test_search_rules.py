@@ -168,7 +168,7 @@ def test_a_smooth_curve_begins_as_the_first_one():
 
 @pytest.mark.parametrize("odd", [False, True])
 def test_no_number_of_a_smooth_curve_is_told_by_its_others(odd):
-    smooth = Smooth((0.0, 1.0, 3.0, 2.0, 1.0, 4.0, 0.0, 2.0), 4, 1.0, odd=odd)
+    smooth = Smooth((0.0, 1.0, 3.0, 2.0, 1.0, 4.0, 0.0, 2.0), 1, 1.0, odd=odd)
     of_one = [one for (_, words), one in curves(smooth).items() if "function" in words]
     assert len(of_one) == 2
     for curve in of_one:

@@ -99,18 +99,10 @@ def _interpolation(
     ]
     bends = pairwise((sympy.S.Zero, *slopes, sympy.S.Zero))
     kinks = (
-        sympy.Mul(after - before, _distance(x, knot), sympy.S.Half)
+        sympy.Mul(after - before, sympy.Abs(x - knot), sympy.S.Half)
         for knot, (before, after) in zip(knots, bends, strict=True)
     )
     return sympy.Add((values[0] + values[-1]) / 2, *kinks)
-
-
-def _distance(x: sympy.Expr, knot: float) -> sympy.Expr:
-    """Return the distance of `x` from a knot, unevaluated.
-
-    Sympy would ask of each for the signs of all that is in it, for milliseconds.
-    """
-    return sympy.Abs(x - knot, evaluate=False)
 
 
 def _spline(
@@ -130,5 +122,5 @@ def _spline(
         terms = zip(sizes[row], heights, strict=True)
         return sympy.Add(*(float(share) * height.symbol for share, height in terms))
 
-    bends = (size(i) * _distance(x, knot) ** 3 for i, knot in enumerate(knots))
+    bends = (size(i) * sympy.Abs(x - knot) ** 3 for i, knot in enumerate(knots))
     return sympy.Add(size(n), size(n + 1) * x, *bends)

@@ -7,6 +7,7 @@ fractions stay exact, and every text is run once before it is handed out.
 
 import keyword
 import math
+import textwrap
 from collections.abc import Iterable, Mapping
 
 import sympy
@@ -25,6 +26,9 @@ from bondgraph.structure.signals import (
 
 WIDTH = 88
 INDENT = "    "
+SHOWN = 80
+"""Characters of a law in a sentence."""
+
 SIGNAL_MAKERS = ("effort", "flow", "momentum", "displacement")
 
 
@@ -178,8 +182,9 @@ def python_expression(expression: sympy.Expr, variables: Mapping[str, str]) -> s
     """
     text: str = _PythonPrinter(variables).doprint(expression)
     if _evaluated(text, expression, variables) != expression:
+        shown = textwrap.shorten(str(expression), SHOWN, placeholder=" …")
         raise EquationError(
-            f"The law {expression} cannot be written as Python text.",
+            f"The law {shown} cannot be written as Python text.",
             (str(expression),),
             "Write it with functions of sympy.",
         )

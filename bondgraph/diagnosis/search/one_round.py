@@ -29,6 +29,7 @@ from bondgraph.diagnosis.search.laws.fits import (
     fit_remembering,
     fit_whatever,
 )
+from bondgraph.diagnosis.search.laws.lag_or_store import lag_or_store
 from bondgraph.diagnosis.search.laws.other_places import at_other_places
 from bondgraph.diagnosis.search.laws.read_off import read_off
 from bondgraph.diagnosis.search.round_found import Round
@@ -160,6 +161,8 @@ def _led(
         fitted = begun_elsewhere(bench, fitted, setting.noise)
         trials = at_other_places(setting.base, fitted, hypotheses)
         fitted = with_fitted(bench, fitted, trials, "the same elsewhere", HOPELESS)
+        trials = lag_or_store(setting.base.graph, fitted, hypotheses)
+        fitted = with_fitted(bench, fitted, trials, "lags and stores", HOPELESS)
         trials = read_off(fitted, hypotheses)
         fitted = with_fitted(bench, fitted, trials, "laws along the curve", HOPELESS)
         seen = _judged(setting, bench, fitted, hypotheses, tried, seen)

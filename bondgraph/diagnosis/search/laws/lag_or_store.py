@@ -1,0 +1,59 @@
+"""A lag of an input, or a store where it enters: to most sensors they are one.
+
+What an input gives fills a store first and passes on late. But the promise of a store
+that the model does not have says little: next to none is filled within a sample, and
+one of some size changes what all other numbers are. So where one of the two leads the
+other is fitted as well, whatever it has promised.
+"""
+
+from collections.abc import Sequence
+from operator import attrgetter
+
+from bondgraph.diagnosis.candidates import Candidate
+from bondgraph.diagnosis.search.trials.trying import Trial
+from bondgraph.physics.dynamics import Lag
+from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.structure.edits import InsertElement, WrapInput
+from bondgraph.structure.elements import Compliance, Inertance
+from bondgraph.structure.graph import FinishedGraph
+
+
+def lag_or_store(
+    graph: FinishedGraph,
+    candidates: Sequence[Candidate],
+    hypotheses: Sequence[Hypothesis],
+) -> list[Trial]:
+    """Return the fits of stores where the leading lag enters, or the other way round.
+
+    Parameters
+    ----------
+    graph
+        Of the model without them.
+    hypotheses
+        All that was proposed.
+    """
+    leading = min(candidates, key=attrgetter("cost"), default=None)
+    if leading is None:
+        return []
+    met = _meets(graph, leading.hypothesis)
+    kept = {id(one.hypothesis) for one in candidates}
+    return [
+        Trial(one)
+        for one in hypotheses
+        if met is not None
+        and id(one) not in kept
+        and one.edit.__class__ is not leading.hypothesis.edit.__class__
+        and _meets(graph, one) == met
+    ]
+
+
+def _meets(graph: FinishedGraph, law: Hypothesis) -> str | None:
+    """Return the junction where a lagging input or a store is; None of other laws."""
+    edit = law.edit
+    if isinstance(edit, WrapInput) and law.physics == Lag.word:
+        (bond,) = graph.bonds_at(edit.input)
+        return bond.other(edit.input)
+    stores = isinstance(edit, InsertElement) and isinstance(
+        edit.element, Compliance | Inertance
+    )
+    return law.place if stores else None
