@@ -21,7 +21,7 @@ from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence.decision import best_as_simple, best_predictors
 from bondgraph.diagnosis.evidence.gain import reduction
 from bondgraph.diagnosis.evidence.judged import Judged, Rule
-from bondgraph.diagnosis.evidence.leads import is_meant
+from bondgraph.diagnosis.evidence.leads import ALIKE, is_meant
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
 
@@ -61,7 +61,8 @@ def probability(
     """Return the share of resamples in which the chosen physics is the one to believe.
 
     With it count the same physics at places that are not told from it, and laws that
-    contain it here. Of laws as simple the better predictor wins, however plain; a curve
+    contain it here. Of laws as simple the better predictor wins, however plain, but
+    shares with what was chosen for being plainer where that predicts alike; a curve
     without a name, where that was chosen, wins where it predicts best. Nothing wins
     that is not worth a finding.
 
@@ -74,11 +75,15 @@ def probability(
     rivals = [replace(chosen, support=Support.SUPPORTED), *rivals]
     meant = [True, *(is_meant(j, chosen, rule) for j in rivals[1:])]
     named, n = chosen.physics != CURVE, base.chunks.size
+    close = ALIKE * chosen.errors.beyond_noise
     won = 0.0
     for drawn in np.random.default_rng(SEED).integers(0, n, (RESAMPLES, n)):
         before = LeftOutErrors(base.chunks[drawn])
         again = [_judged_again(one, before, drawn) for one in rivals]
         best = best_as_simple(again, rule) if named else best_predictors(again)
+        if named and best and all(one is not again[0] for one in best):
+            behind = float(np.sum(again[0].errors.chunks - best[0].errors.chunks))
+            best += again[:1] if behind <= close else []
         won += _share_of(best, list(compress(again, meant)), rule)
     return won / RESAMPLES
 

@@ -167,13 +167,13 @@ def _fitted_near(
 def _tried(base: FittedModel, trial: Trial) -> Plain:
     """Return what a few steps of a fit take away."""
     problem = pose_hypothesis(base, trial.hypothesis)
-    best, _ = _best(base, trial, problem, PROMISE_ITERATIONS)
+    best, _ = _best(base, trial, problem, _few(trial, PROMISE_ITERATIONS))
     return {"promised": float(1.0 - best.cost / base.optimum.cost)}
 
 
 def fit_briefly(base: FittedModel, trial: Trial) -> Plain:
     """Return the best of short fits from every start of the trial."""
-    return _or_refused(lambda: _fitted(base, trial, SHORT_ITERATIONS))
+    return _or_refused(lambda: _fitted(base, trial, _few(trial, SHORT_ITERATIONS)))
 
 
 def fit_what_remembers(base: FittedModel, trial: Trial) -> Plain:
@@ -191,7 +191,15 @@ def _fitted_if(base: FittedModel, trial: Trial, *, remembers: bool) -> Plain:
     if (problem.model.n_states > base.problem.model.n_states) is not remembers:
         words = "It remembers nothing." if remembers else "It remembers something."
         raise BondGraphError(words, (trial.hypothesis.place,))
-    return _fitted(base, trial, SHORT_ITERATIONS)
+    return _fitted(base, trial, _few(trial, SHORT_ITERATIONS))
+
+
+def _few(trial: Trial, usual: int) -> int:
+    """Return the iterations of a fit that need not end.
+
+    What is plugged right starts from what is stated: the base model ends elsewhere.
+    """
+    return LONGER if trial.hypothesis.is_slip else usual
 
 
 def fit_on(base: FittedModel, trial: Trial) -> Plain:
