@@ -79,7 +79,14 @@ def diagnosed(channel: str, spoil: Spoil):
 @pytest.mark.parametrize(
     ("channel", "spoil", "physics", "number", "value"),
     [
-        ("velocity", lambda v: -v, "sensor_scale", "sensor_scale", -1.0),
+        pytest.param(
+            "velocity",
+            lambda v: -v,
+            "sensor_scale",
+            "sensor_scale",
+            -1.0,
+            marks=pytest.mark.long,
+        ),
         pytest.param(
             "position",
             lambda x: x / 1000,
@@ -124,7 +131,12 @@ def test_what_a_sensor_gets_wrong_is_found_at_that_sensor(
     ("spoil", "factor", "words"),
     [
         pytest.param(lambda u: -u, -1.0, "with the wrong sign", marks=pytest.mark.long),
-        (lambda u: u / 1000, 1e3, "in a unit a thousand times larger than it says"),
+        pytest.param(
+            lambda u: u / 1000,
+            1e3,
+            "in a unit a thousand times larger than it says",
+            marks=pytest.mark.long,
+        ),
     ],
     ids=["wrong sign", "wrong unit"],
 )
@@ -161,6 +173,7 @@ def levels(seed: int, names: tuple[str, str]) -> BoundRecording:
     return bind(recording, {"pump": "m^3/s"}, dict.fromkeys(sorted(names), "Pa"))
 
 
+@pytest.mark.long
 def test_readings_of_one_unit_that_were_swapped_are_told_as_that():
     graph = two_tanks()
     names = ("area_1", "area_2", "laminar", "drain")

@@ -243,6 +243,7 @@ def test_probing_adds_no_equation():
 
 
 @real
+@pytest.mark.long
 def test_silverbox_hardens():
     graph = load_model(str(ROOT / "examples/recordings/silverbox.py"))
     recording = read_for(graph, RECORDINGS / "silverbox/multisine_1_to_9.csv")
