@@ -4,7 +4,7 @@ What is proportional may be another's as well: a damper beside a force that bend
 the speed takes any share of its slope. Then it takes all of it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -69,9 +69,9 @@ def told_apart(bench: Bench, first: Drawing, best: Drawing) -> Drawing:
     """
     fitted, smooth = best.candidate.fitted, best.smooth
     own = best.candidate.hypothesis.strengths
-    shared = _only_together(fitted, own)
-    lines = (line for line in LINES if any(f"_{line}_" in n for n in shared & {*own}))
-    without = frozenset(lines)
+    lines = {n: line for n in own for line in LINES if f"_{line}_" in n}
+    shared = _only_together(fitted, lines, own)
+    without = frozenset(line for name, line in lines.items() if name in shared)
     if smooth is None or not without:
         return best
     begin, before = Start.where_ended(fitted), bench.base.values
@@ -84,18 +84,22 @@ def told_apart(bench: Bench, first: Drawing, best: Drawing) -> Drawing:
     return Drawing(found, first.chunks, smooth)
 
 
-def _only_together(fitted: FittedModel, own: Sequence[str]) -> set[str]:
-    """Return what is told only together with others, by the data and what is stated.
+def _only_together(
+    fitted: FittedModel, lines: Collection[str], own: Collection[str]
+) -> set[str]:
+    """Return which of a curve's lines, and of the model's numbers, do the same.
 
-    How smooth a curve's `own` numbers make it is not stated of the machine.
+    By the data and what is stated of the machine, while the curve bends as it does: how
+    smooth its `own` numbers make it is not stated, and bends may do as lines do.
     """
     problem, optimum = fitted.problem, fitted.optimum
+    names = np.array(problem.free_names)
     _, weight = prior_residuals(problem, optimum.theta)
-    stated = np.where(np.isin(problem.free_names, own), 0.0, weight)
+    stated = np.where(np.isin(names, list(own)), 0.0, weight)
     hessian = reduced_hessian(optimum.linearisation, len(weight)) + np.diag(stated**2)
-    local = relative(Local(optimum.theta, hessian))
-    shared = taking_part(flat_directions(local), local)
-    return set(np.array(problem.free_names)[shared])
+    kept = ~np.isin(names, list(own)) | np.isin(names, list(lines))
+    local = relative(Local(optimum.theta[kept], hessian[np.ix_(kept, kept)]))
+    return set(names[kept][taking_part(flat_directions(local), local)])
 
 
 def drawn_finely(
