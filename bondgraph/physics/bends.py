@@ -12,8 +12,8 @@ WEAKLY = 3.0
 the recordings where these tell them, and not wholly open where another law shares them.
 """
 
-LINES = ("level", "slope")
-"""What the straight parts of a curve are called."""
+LINES = ("slope", "level")
+"""What the straight parts of a curve are called, first what a resistance takes."""
 
 
 @dataclass(frozen=True)

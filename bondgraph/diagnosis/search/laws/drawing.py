@@ -27,6 +27,7 @@ from bondgraph.fitting.problem import prior_residuals, reduced_hessian
 from bondgraph.physics.bends import LINES
 from bondgraph.physics.curves import BOTH_WAYS
 from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.physics.places.base import PROPOSED
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.smooth import Smooth
 from bondgraph.physics.unknown import UnknownRelation
@@ -69,9 +70,10 @@ def told_apart(bench: Bench, first: Drawing, best: Drawing) -> Drawing:
     """
     fitted, smooth = best.candidate.fitted, best.smooth
     own = best.candidate.hypothesis.strengths
-    lines = {n: line for n in own for line in LINES if f"_{line}_" in n}
-    shared = _only_together(fitted, lines, own)
-    without = frozenset(line for name, line in lines.items() if name in shared)
+    lines = {n: line for line in LINES for n in own if f"_{line}_" in n}
+    shared, ways = _only_together(fitted, lines)
+    open_ = [line for name, line in lines.items() if name in shared]
+    without = frozenset(open_[:ways])
     if smooth is None or not without:
         return best
     begin, before = Start.where_ended(fitted), bench.base.values
@@ -84,22 +86,23 @@ def told_apart(bench: Bench, first: Drawing, best: Drawing) -> Drawing:
     return Drawing(found, first.chunks, smooth)
 
 
-def _only_together(
-    fitted: FittedModel, lines: Collection[str], own: Collection[str]
-) -> set[str]:
-    """Return which of a curve's lines, and of the model's numbers, do the same.
+def _only_together(fitted: FittedModel, lines: Collection[str]) -> tuple[set[str], int]:
+    """Return which of a curve's lines and of the model's own numbers do the same.
 
-    By the data and what is stated of the machine, while the curve bends as it does: how
-    smooth its `own` numbers make it is not stated, and bends may do as lines do.
+    And in how many ways; by the data and what is stated of the machine, while the curve
+    bends as it does: bends may do as lines do. A law that was found before may have to
+    go, where the curve does all that it does.
     """
     problem, optimum = fitted.problem, fitted.optimum
-    names = np.array(problem.free_names)
+    names, known = np.array(problem.free_names), fitted.graph.parameters
+    found = np.array([known[name].source == PROPOSED for name in names])
     _, weight = prior_residuals(problem, optimum.theta)
-    stated = np.where(np.isin(names, list(own)), 0.0, weight)
+    stated = np.where(found, 0.0, weight)
     hessian = reduced_hessian(optimum.linearisation, len(weight)) + np.diag(stated**2)
-    kept = ~np.isin(names, list(own)) | np.isin(names, list(lines))
+    kept = ~found | np.isin(names, list(lines))
     local = relative(Local(optimum.theta[kept], hessian[np.ix_(kept, kept)]))
-    return set(names[kept][taking_part(flat_directions(local), local)])
+    flat = flat_directions(local)
+    return set(names[kept][taking_part(flat, local)]), len(flat)
 
 
 def drawn_finely(

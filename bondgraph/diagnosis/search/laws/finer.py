@@ -38,6 +38,9 @@ AS_NEAR, DRAWN = 1.5, 3
 so many are drawn finely.
 """
 
+PLAIN = 2
+"""Curves of one variable that are drawn beside one of two."""
+
 ROUGHNESS = (1.0, 3.0, 10.0, 30.0, 100.0)
 """How rough a curve may be, in heights per range, one after the other."""
 
@@ -85,16 +88,27 @@ def finest_of(
 
     The chosen one comes first, and where that is a curve its nearest rivals; one of
     these before it where that then predicts left-out data better by more than a
-    standard error.
+    standard error, or no worse by more than that and goes along with less.
     """
     first = chosen
     drawn = {id(chosen): as_fine_as_told(bench, chosen, before)}
     for rival in _rivals(chosen, judged):
         drawn[id(rival)] = as_fine_as_told(bench, rival, before)
-        lead = compare(drawn[id(first)].errors, drawn[id(rival)].errors)
-        if lead.value > lead.std:
+        if _comes_before(drawn[id(rival)], drawn[id(first)]):
             first = rival
     return {id(first): drawn[id(first)]} | drawn
+
+
+def _comes_before(rival: Judged, first: Judged) -> bool:
+    """Return whether a curve is told before another, by left-out data and variables."""
+    lead = compare(first.errors, rival.errors)
+    plainer = _variables(rival) < _variables(first)
+    return lead.value > (-lead.std if plainer else lead.std)
+
+
+def _variables(curve: Judged) -> int:
+    """Return how many variables a curve goes along with: its own, what steers it."""
+    return len(curve.candidate.hypothesis.depends_on)
 
 
 def drawn_as_near(
@@ -105,16 +119,21 @@ def drawn_as_near(
 ) -> list[tuple[Judged, Judged]]:
     """Return curves that come as near as a law with a name, and each as drawn finely.
 
-    Those that then predict left-out data best come first.
+    The one that comes before all others then is the first, and so on.
     """
-    drawn = [
-        (one, as_fine_as_told(bench, one, before)) for one in _as_near(chosen, judged)
-    ]
-    return sorted(drawn, key=lambda pair: -pair[1].gain.value)
+    drawn: list[tuple[Judged, Judged]] = []
+    for one in _as_near(chosen, judged):
+        fine = as_fine_as_told(bench, one, before)
+        behind = [i for i, (_, it) in enumerate(drawn) if _comes_before(fine, it)]
+        drawn.insert(min(behind, default=len(drawn)), (one, fine))
+    return drawn
 
 
 def _as_near(chosen: Judged, judged: Sequence[Judged]) -> list[Judged]:
-    """Return the best curves that come as near, one of each place and variable."""
+    """Return the best curves that come as near, one of each place and variable.
+
+    First those of one variable: of two there is one for whatever may steer.
+    """
     most = AS_NEAR * float(chosen.errors.chunks.sum())
     near = [
         one
@@ -126,13 +145,14 @@ def _as_near(chosen: Judged, judged: Sequence[Judged]) -> list[Judged]:
     best: dict[tuple[str, tuple[str, ...]], Judged] = {}
     for one in sorted(near, key=lambda one: -one.gain.value):
         best.setdefault((one.place, one.candidate.hypothesis.depends_on), one)
-    return list(best.values())[:DRAWN]
+    return sorted(best.values(), key=_variables)[:DRAWN]
 
 
 def _rivals(chosen: Judged, judged: Sequence[Judged]) -> list[Judged]:
     """Return the best curve elsewhere, and of something else here, that come near.
 
     Of something else, but of no more: what depends on two variables is not plainer.
+    Where the chosen one does, the best two elsewhere that do not.
     """
     if chosen.physics != CURVE:
         return []
@@ -143,16 +163,18 @@ def _rivals(chosen: Judged, judged: Sequence[Judged]) -> list[Judged]:
         and one.support is Support.SUPPORTED
         and one.gain.value >= NEAR * chosen.gain.value
     ]
-    own = chosen.candidate.hypothesis.depends_on
+    near.sort(key=lambda one: -one.gain.value)
+    own, most = chosen.candidate.hypothesis.depends_on, _variables(chosen)
     elsewhere = [one for one in near if one.place != chosen.place]
-    here = {
-        id(one): one.candidate.hypothesis.depends_on
+    plain = [one for one in elsewhere if _variables(one) < most]
+    here = [
+        one
         for one in near
         if one.place == chosen.place
-    }
-    plain = {key for key, of in here.items() if of != own and len(of) <= len(own)}
-    ways = (elsewhere, [one for one in near if id(one) in plain])
-    return [max(way, key=lambda one: one.gain.value) for way in ways if way]
+        and one.candidate.hypothesis.depends_on != own
+        and _variables(one) <= most
+    ]
+    return [*(plain[:PLAIN] or elsewhere[:1]), *here[:1]]
 
 
 def _that_carries_over(drawings: Sequence[Drawing]) -> Drawing:
