@@ -61,7 +61,7 @@ def test_each_leads_to_the_other_where_the_input_enters():
         """Return what is fitted beside a law that leads."""
         return [
             (trial.hypothesis.physics, trial.hypothesis.place)
-            for trial in lag_or_store(graph, [Candidate(leading, base, 1)], laws)
+            for trial in lag_or_store(base, [Candidate(leading, base, 1)], laws)
         ]
 
     for law in laws:

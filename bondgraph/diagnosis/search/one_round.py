@@ -161,7 +161,7 @@ def _led(
         fitted = begun_elsewhere(bench, fitted, setting.noise)
         trials = at_other_places(setting.base, fitted, hypotheses)
         fitted = with_fitted(bench, fitted, trials, "the same elsewhere", HOPELESS)
-        trials = lag_or_store(setting.base.graph, fitted, hypotheses)
+        trials = lag_or_store(setting.base, fitted, hypotheses)
         fitted = with_fitted(bench, fitted, trials, "lags and stores", HOPELESS)
         trials = read_off(fitted, hypotheses)
         fitted = with_fitted(bench, fitted, trials, "laws along the curve", HOPELESS)

@@ -11,6 +11,7 @@ from operator import attrgetter
 
 from bondgraph.diagnosis.candidates import Candidate
 from bondgraph.diagnosis.search.trials.trying import Trial
+from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.dynamics import Lag
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.structure.edits import InsertElement, WrapInput
@@ -19,7 +20,7 @@ from bondgraph.structure.graph import FinishedGraph
 
 
 def lag_or_store(
-    graph: FinishedGraph,
+    base: FittedModel,
     candidates: Sequence[Candidate],
     hypotheses: Sequence[Hypothesis],
 ) -> list[Trial]:
@@ -27,15 +28,15 @@ def lag_or_store(
 
     Parameters
     ----------
-    graph
-        Of the model without them.
+    base
+        The model without them.
     hypotheses
         All that was proposed.
     """
     leading = min(candidates, key=attrgetter("cost"), default=None)
     if leading is None:
         return []
-    met = _meets(graph, leading.hypothesis)
+    met = _meets(base.graph, leading.hypothesis)
     kept = {id(one.hypothesis) for one in candidates}
     return [
         Trial(one)
@@ -43,7 +44,7 @@ def lag_or_store(
         if met is not None
         and id(one) not in kept
         and one.edit.__class__ is not leading.hypothesis.edit.__class__
-        and _meets(graph, one) == met
+        and _meets(base.graph, one) == met
     ]
 
 
