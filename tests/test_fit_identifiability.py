@@ -28,7 +28,13 @@ from bondgraph import (
     fit,
     q,
 )
-from bondgraph.fitting.certainty.combinations import Local, combination_sentences
+from bondgraph.fitting.certainty.combinations import (
+    Local,
+    combination_sentences,
+    flat_directions,
+    relative,
+    taking_part,
+)
 from bondgraph.fitting.certainty.identifiability import (
     IdentifiabilityStatus,
     identifiability,
@@ -178,3 +184,16 @@ def test_a_step_that_is_too_coarse_is_said():
     chosen = FitSettings(horizon=WholeRecordings(), solver=Sdirk2(substeps=64))
     fine = fit(graph, [recording], settings=chosen)
     assert fine.solver_error.status is SolverErrorStatus.FINE
+
+
+def test_what_is_far_from_zero_takes_part_beside_what_is_near_it():
+    # A damper of about 1 and a slope of about 0 that do the same, and a mass apart.
+    sensitivities = np.array([[1.0, 2.0, 0.0], [3.0, 6.0, 0.0], [0.0, 0.0, 1.0]])
+    theta = np.array([0.97, 1e-5, 4.0])
+    local = relative(Local(theta, sensitivities.T @ sensitivities))
+    flat = flat_directions(local)
+    assert len(flat) == 1
+    assert taking_part(flat, local).tolist() == [True, True, False]
+    assert not taking_part(flat[:0], local).any()
+    # A step of the damper is small in such a direction, as relative steps go.
+    assert abs(flat[0, 0]) < 0.05 * abs(flat[0, 1])

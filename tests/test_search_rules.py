@@ -7,6 +7,7 @@ import pytest
 import sympy
 
 from bondgraph import BondGraph, C, I, R, Se
+from bondgraph.diagnosis.search.laws.drawing import lines_in
 from bondgraph.diagnosis.search.revising.removal import gone_from
 from bondgraph.diagnosis.search.trials.trying import UNSOLVED, _or_refused
 from bondgraph.errors import BondGraphError, EquationError
@@ -164,6 +165,17 @@ def test_a_smooth_curve_begins_as_the_first_one():
         assert any("_jump_" in name for name in second.strengths) == jumps
         before = drawn(first, dict(zip(first.strengths, heights, strict=True)))
         assert np.allclose(before, drawn(second, second.starts[0]), atol=1e-9), key
+
+
+@pytest.mark.parametrize("stem", ["curve", "curve_slope_b", "curve_level"])
+@pytest.mark.parametrize("place", ["tank", "level_gauge", "slope", "bend_level_1"])
+def test_the_lines_of_a_curve_are_known_wherever_it_is(stem, place):
+    parts = ("jump", "level", "slope", "bend_1", "bend_12")
+    names = {part: f"{stem}_{part}_{place}" for part in parts}
+    lines = {names["slope"]: "slope", names["level"]: "level"}
+    assert lines_in(tuple(names.values())) == lines
+    del names["jump"], names["level"], lines[f"{stem}_level_{place}"]
+    assert lines_in(tuple(names.values())) == lines
 
 
 @pytest.mark.parametrize("odd", [False, True])

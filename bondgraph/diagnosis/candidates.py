@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,11 @@ class Candidate:
     def reduction(self, base: FittedModel) -> float:
         """Return the relative reduction of the training error against `base`."""
         return 1.0 - self.cost / base.optimum.cost
+
+
+def leading(candidates: Iterable[Candidate]) -> Candidate | None:
+    """Return the candidate that leaves least; None where there is none."""
+    return min(candidates, key=attrgetter("cost"), default=None)
 
 
 def best_of_each(candidates: Iterable[Candidate]) -> list[Candidate]:

@@ -103,11 +103,11 @@ def smooth_curve(
         own.append(replace(coefficient, parameter=parameter, starts=(float(start),)))
         return coefficient.symbol
 
-    edge = _edge(first)
-    if edge:
+    taken = None
+    if edge := _edge(first):
         # The jump bends where it ends: there it takes the place of a bend.
-        jump = Part("jump", partial(ramp, edge=edge), WEAKLY)
-        height = -edge * float(_changes(knots, rest)[_at(knots, edge)])
+        jump, taken = Part("jump", partial(ramp, edge=edge), WEAKLY), _at(knots, edge)
+        height = -edge * float(_changes(knots, rest)[taken])
         rest = rest - height * jump.curve(np.array(knots))
         on_grid = on_grid - height * jump.curve(grid)
         terms.append(free(jump, height) * jump.curve(x))
@@ -116,9 +116,9 @@ def smooth_curve(
     for line, start, curve in zip(lines, starts, straight, strict=True):
         if line.name not in smooth.without:
             terms.append(free(line, start) * curve)
-    inner = zip(knots[1:-1], bends, _changes(knots, rest), bent, strict=True)
-    for at, bend, change, curve in inner:
-        if not edge or not np.isclose(at, edge):
+    each = zip(bends, _changes(knots, rest), bent, strict=True)
+    for i, (bend, change, curve) in enumerate(each):
+        if i != taken:
             symbol = free(bend, change, smooth.roughness * smooth.size)
             terms.append(symbol * curve)
     return sympy.Add(*terms), tuple(own)

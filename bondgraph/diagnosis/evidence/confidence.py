@@ -81,11 +81,17 @@ def probability(
         before = LeftOutErrors(base.chunks[drawn])
         again = [_judged_again(one, before, drawn) for one in rivals]
         best = best_as_simple(again, rule) if named else best_predictors(again)
-        if named and best and all(one is not again[0] for one in best):
+        if named and best and not _has(best, again[0]):
             behind = float(np.sum(again[0].errors.chunks - best[0].errors.chunks))
-            best += again[:1] if behind <= close else []
+            if behind <= close:
+                best.append(again[0])
         won += _share_of(best, list(compress(again, meant)), rule)
     return won / RESAMPLES
+
+
+def _has(best: Sequence[Judged], chosen: Judged) -> bool:
+    """Return whether what is chosen is itself among what wins."""
+    return any(one is chosen for one in best)
 
 
 def _share_of(best: Sequence[Judged], meant: Sequence[Judged], rule: Rule) -> float:

@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 from bondgraph.fitting.certainty.colour import Colour, colour_of
 from bondgraph.fitting.certainty.combinations import (
     FLAT,
+    Local,
     flat_directions,
-    size_of,
+    relative,
     taking_part,
 )
 from bondgraph.fitting.levenberg_marquardt import Optimum
@@ -87,10 +88,9 @@ def uncertainty(problem: FitProblem, optimum: Optimum) -> Uncertainty:
     wide = np.diag(by_blocks) > np.diag(by_colour)
     largest = np.maximum(np.diag(by_blocks), np.diag(by_colour))
     std: Array = np.sqrt(np.maximum(largest, 0.0))
-    size = size_of(optimum.theta)
-    relative = hessian * np.outer(size, size)
-    null = flat_directions(relative)
-    involved = taking_part(null, relative)
+    local = relative(Local(optimum.theta, hessian))
+    null = flat_directions(local)
+    involved = taking_part(null, local)
     stretch = max((colour.stretch for colour in colours), default=1.0)
     dof = np.where(wide, blocks - 1, max(count / stretch - nq, 1.0))
     return Uncertainty(

@@ -4,8 +4,9 @@ What is proportional may be another's as well: a damper beside a force that bend
 the speed takes any share of its slope. Then it takes all of it.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import replace
+from itertools import takewhile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,8 +70,7 @@ def told_apart(bench: Bench, first: Drawing, best: Drawing) -> Drawing:
     as both do, both are told.
     """
     fitted, smooth = best.candidate.fitted, best.smooth
-    own = best.candidate.hypothesis.strengths
-    lines = {n: line for line in LINES for n in own if f"_{line}_" in n}
+    lines = lines_in(best.candidate.hypothesis.strengths)
     shared, ways = _only_together(fitted, lines)
     open_ = [line for name, line in lines.items() if name in shared]
     without = frozenset(open_[:ways])
@@ -84,6 +84,21 @@ def told_apart(bench: Bench, first: Drawing, best: Drawing) -> Drawing:
     if found is None or found.cost > AS_WELL * best.candidate.cost:
         return best
     return Drawing(found, first.chunks, smooth)
+
+
+def lines_in(strengths: Sequence[str]) -> dict[str, str]:
+    """Return which of a smooth curve's numbers are its lines, by name.
+
+    A place may be called a level, too: what all names begin with alike is the curve's.
+    """
+    letters = zip(*strengths, strict=False)
+    stem = len(list(takewhile(lambda alike: len(set(alike)) == 1, letters)))
+    return {
+        name: line
+        for line in LINES
+        for name in strengths
+        if name[stem:].startswith(f"{line}_")
+    }
 
 
 def _only_together(fitted: FittedModel, lines: Collection[str]) -> tuple[set[str], int]:

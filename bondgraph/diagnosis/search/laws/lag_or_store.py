@@ -7,9 +7,8 @@ other is fitted as well, whatever it has promised.
 """
 
 from collections.abc import Sequence
-from operator import attrgetter
 
-from bondgraph.diagnosis.candidates import Candidate
+from bondgraph.diagnosis.candidates import Candidate, leading
 from bondgraph.diagnosis.search.trials.trying import Trial
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.dynamics import Lag
@@ -33,17 +32,16 @@ def lag_or_store(
     hypotheses
         All that was proposed.
     """
-    leading = min(candidates, key=attrgetter("cost"), default=None)
-    if leading is None:
+    best = leading(candidates)
+    met = None if best is None else _meets(base.graph, best.hypothesis)
+    if best is None or met is None:
         return []
-    met = _meets(base.graph, leading.hypothesis)
     kept = {id(one.hypothesis) for one in candidates}
     return [
         Trial(one)
         for one in hypotheses
-        if met is not None
-        and id(one) not in kept
-        and one.edit.__class__ is not leading.hypothesis.edit.__class__
+        if id(one) not in kept
+        and type(one.edit) is not type(best.hypothesis.edit)
         and _meets(base.graph, one) == met
     ]
 

@@ -8,11 +8,10 @@ line along, wider and lower as the motion there is larger.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from operator import attrgetter
 
 import numpy as np
 
-from bondgraph.diagnosis.candidates import CURVE, Candidate
+from bondgraph.diagnosis.candidates import CURVE, Candidate, leading
 from bondgraph.diagnosis.drawn_laws import law_curve
 from bondgraph.diagnosis.probing import measure_scales, probe
 from bondgraph.diagnosis.search.base.runaway import run_away
@@ -48,22 +47,22 @@ def at_other_places(
     hypotheses
         All that was proposed.
     """
-    leading = min(candidates, key=attrgetter("cost"), default=None)
-    if leading is None:
+    best = leading(candidates)
+    if best is None:
         return []
-    if leading.hypothesis.physics != CURVE:
+    if best.hypothesis.physics != CURVE:
         kept = {id(one.hypothesis) for one in candidates}
         others = [one for one in hypotheses if id(one) not in kept]
-        return list(_numbers(leading, others))[:MOST]
+        return list(_numbers(best, others))[:MOST]
     if curve_that_leads(candidates) is None:
         return []
     return list(_lines(base, candidates))[:MOST]
 
 
-def _numbers(leading: Candidate, others: Sequence[Hypothesis]) -> Iterator[Trial]:
+def _numbers(best: Candidate, others: Sequence[Hypothesis]) -> Iterator[Trial]:
     """Yield the fits of the law in the same form, its numbers in the same units."""
-    law, there = leading.hypothesis, Start.where_ended(leading.fitted)
-    known = leading.fitted.graph.parameters
+    law, there = best.hypothesis, Start.where_ended(best.fitted)
+    known = best.fitted.graph.parameters
     for one in others:
         own = {parameter.name: parameter.unit for parameter in one.edit.parameters}
         twins = list(zip(one.parameters, law.parameters, strict=False))
@@ -81,7 +80,7 @@ def _lines(base: FittedModel, candidates: Sequence[Candidate]) -> Iterator[Trial
     Begun where it has ended, and what has run away there where it is stated.
     """
     local = [one for one in candidates if one.hypothesis.visited]
-    best = min(local, key=attrgetter("cost"), default=None)
+    best = leading(local)
     if best is None:
         return
     scales = measure_scales(best.fitted)

@@ -7,11 +7,11 @@ that come near are fitted from there.
 """
 
 from collections.abc import Sequence
-from operator import attrgetter, itemgetter
+from operator import itemgetter
 
 import numpy as np
 
-from bondgraph.diagnosis.candidates import CURVE, Candidate, is_named
+from bondgraph.diagnosis.candidates import CURVE, Candidate, is_named, leading
 from bondgraph.diagnosis.drawn_laws import curve_of, law_curve
 from bondgraph.diagnosis.search.laws.laid_along import Line, laid_along
 from bondgraph.diagnosis.search.trials.trying import Start, Trial
@@ -30,11 +30,11 @@ POINTS = 60
 
 def curve_that_leads(candidates: Sequence[Candidate]) -> Candidate | None:
     """Return the curve beside which no law with a name comes near; None without one."""
-    leading = min(candidates, key=attrgetter("cost"), default=None)
-    if leading is None or leading.hypothesis.physics != CURVE:
+    best = leading(candidates)
+    if best is None or best.hypothesis.physics != CURVE:
         return None
     named = (one.cost for one in candidates if is_named(one.hypothesis))
-    return leading if all(cost > FAR * leading.cost for cost in named) else None
+    return best if all(cost > FAR * best.cost for cost in named) else None
 
 
 def read_off(
