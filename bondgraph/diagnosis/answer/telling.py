@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from bondgraph.diagnosis.answer.at_jumps import doubted_at_jumps
+from bondgraph.diagnosis.answer.beyond import beyond_training
 from bondgraph.diagnosis.answer.changed_over import with_images
 from bondgraph.diagnosis.answer.comparing import compared, over_long
 from bondgraph.diagnosis.answer.concluding import concluded
@@ -29,7 +30,7 @@ from bondgraph.diagnosis.records import Comparison, Diagnosis, Finding
 from bondgraph.diagnosis.search.base.horizons import refitted
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.remaining import remaining
-from bondgraph.diagnosis.search.round_found import Round, accepted
+from bondgraph.diagnosis.search.round_found import Round, accepted, chosen_in
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.fine_steps import told_finely
 from bondgraph.fitting.result import FitResult, FitStatus
@@ -110,6 +111,7 @@ def answer(
         notes=(
             *map(str, turns),
             *lost_over_whole(final, recordings, shown.trained),
+            *beyond_training(chosen_in(rounds), final, held_out),
             *at_bounds(graph, after.estimates),
             *undesigned,
             *look_alikes(findings, base, recordings),
