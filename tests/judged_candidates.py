@@ -51,6 +51,7 @@ def candidate(
     extends=(),
     domain="",
     by_output=(1.0,),
+    depends_on=(),
 ):
     domains = [SimpleNamespace(name=domain)] if domain else []
     hypothesis = SimpleNamespace(
@@ -59,7 +60,7 @@ def candidate(
         other_end="",
         extends=extends,
         factor=1,
-        depends_on=(),
+        depends_on=depends_on,
     )
     return SimpleNamespace(
         hypothesis=hypothesis,

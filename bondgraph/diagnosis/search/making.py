@@ -15,12 +15,14 @@ from bondgraph.diagnosis.search.base.beyond_noise import left_beside
 from bondgraph.diagnosis.search.base.runaway import run_away
 from bondgraph.diagnosis.search.considered import Setting
 from bondgraph.diagnosis.search.pairs.together import explained, two_rounds
+from bondgraph.diagnosis.search.revising.cancelling import cancelled
 from bondgraph.diagnosis.search.revising.exchange import Exchanged, Reached, exchanged
 from bondgraph.diagnosis.search.revising.removal import Pruned, pruned, swallowed
 from bondgraph.diagnosis.search.round_found import Round, chosen_in
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import Hypothesis
+from bondgraph.physics.names import name_of
 from bondgraph.structure.parameters import Parameter
 
 Made = tuple[tuple[Round, ...], FittedModel, tuple[Hypothesis, ...]]
@@ -117,7 +119,9 @@ def _left_with(
     authored: Mapping[str, Parameter],
     rule: Rule,
 ) -> Pruned | str:
-    """Return the model with additions, or what was there of which they leave nothing.
+    """Return the model with additions, or why they are none.
+
+    They leave nothing of what was there, or the last one cancels another at its place.
 
     Parameters
     ----------
@@ -130,7 +134,12 @@ def _left_with(
     lost = None
     if reached.added:
         lost = swallowed(reached.current, left.fitted, left.kept[:-1], authored)
-    return left if lost is None else lost
+    if lost is not None:
+        return f"leaves nothing of {lost}, and came after it"
+    other = cancelled(left.fitted, left.kept)
+    if other is not None:
+        return f"it and {name_of(other.physics)} there cancel each other all but wholly"
+    return left
 
 
 def _in_place(found: Round, instead: Exchanged) -> Round:
@@ -151,9 +160,8 @@ def _in_place(found: Round, instead: Exchanged) -> Round:
     )
 
 
-def _given_up(found: Round, lost: str) -> Round:
-    """Return the round without its choice, which stands in for what was there."""
-    reason = f"leaves nothing of {lost}, and came after it"
+def _given_up(found: Round, reason: str) -> Round:
+    """Return the round without its choice, with why it is none."""
     judged = tuple(
         replace(j, support=Support.REFUTED, reason=reason) if j is found.chosen else j
         for j in found.judged

@@ -29,6 +29,7 @@ from bondgraph.diagnosis.search.revising.curve_beside import (
 )
 from bondgraph.diagnosis.search.revising.exchange import Reached
 from bondgraph.diagnosis.search.revising.fitted_anew import fitted_anew
+from bondgraph.diagnosis.search.revising.one_relation import AS_MUCH, one_relation
 from bondgraph.diagnosis.search.revising.otherwise_held import held_as_found
 from bondgraph.diagnosis.search.revising.pair_instead import pair_instead
 from bondgraph.diagnosis.search.revising.reconsidered import reconsidered
@@ -77,14 +78,7 @@ def search(
     """
     start = Reached(base, base, (), noise)
     rounds = _searched([], start, recordings, options, shop, another=another)
-    curve = told_instead(rounds, options.rule)
-    if curve is None and not shop.limit.passed:
-        floor = np.fromiter(noise_floor(recordings).values(), np.float64)
-        curve = told_if_fine(rounds, floor, options.rule, shop)
-    begun = None
-    if curve is not None and not shop.limit.passed:
-        shop.progress("again, from a curve that no law with a name comes near to")
-        begun = with_curve(rounds, curve, options.rule, shop)
+    begun = _from_a_curve(rounds, recordings, options, shop)
     if begun is None:
         begun = pair_instead(rounds, recordings, noise, options, shop)
     if begun is not None:
@@ -94,6 +88,27 @@ def search(
         reached = _handed_on(at, last.fitted, (*added, last.hypothesis), options)
         rounds = _searched(begun, reached, recordings, options, shop)
     return reconsidered(rounds, recordings, noise, options, shop)
+
+
+def _from_a_curve(
+    rounds: Sequence[Round],
+    recordings: Sequence[BoundRecording],
+    options: Options,
+    shop: Workshop,
+) -> list[Round] | None:
+    """Return rounds that end with a curve in place of laws with a name, if any do."""
+    said, least = "again, from a curve that no law with a name comes near to", 1.0
+    curve = told_instead(rounds, options.rule)
+    if curve is None and not shop.limit.passed:
+        floor = np.fromiter(noise_floor(recordings).values(), np.float64)
+        curve = told_if_fine(rounds, floor, options.rule, shop)
+    if curve is None:
+        said, least = "again, from a curve in place of a law that it mends", AS_MUCH
+        curve = one_relation(rounds)
+    if curve is None or shop.limit.passed:
+        return None
+    shop.progress(said)
+    return with_curve(rounds, curve, options.rule, shop, least)
 
 
 def _searched(

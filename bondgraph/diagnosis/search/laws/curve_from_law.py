@@ -99,9 +99,9 @@ def _begun_as(
 ) -> Trial | None:
     """Return a fit of the curve that begins as the law; None where it was judged."""
     x, y = law_curve(law.fitted, law, variable_of(curve, place).value)
-    over = _another(curve.visited, (float(x.min()), float(x.max())))
-    if over is not None:
-        curve = _over(place, curve, over)
+    visited = _another(curve.visited, (float(x.min()), float(x.max())))
+    if visited is not None:
+        curve = over(place, curve, visited)
     elif curve.told_by in known:
         return None
     return Trial(curve, (along_line(law, curve, place, (x, y)),))
@@ -115,7 +115,7 @@ def _another(visited: Range | None, told: Range) -> Range | None:
     return told if not 1.0 / ANOTHER < now / before < ANOTHER else None
 
 
-def _over(place: JunctionPlace, curve: Hypothesis, visited: Range) -> Hypothesis:
+def over(place: JunctionPlace, curve: Hypothesis, visited: Range) -> Hypothesis:
     """Return the same curve over another range."""
     proposed = UnknownRelation(visited=visited).propose(place)
     return next(one for one in proposed if one.words == curve.words)

@@ -21,6 +21,7 @@ from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.laws.drawing import Drawing, drawn_finely, told_apart
+from bondgraph.diagnosis.search.laws.own_range import over_its_own_range
 from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.trying import Start
 from bondgraph.physics.smooth import Smooth
@@ -64,10 +65,14 @@ def as_fine_as_told(bench: Bench, chosen: Judged, before: LeftOutErrors) -> Judg
     chunks = len(chosen.errors.chunks)
     first = Drawing(chosen.candidate, chunks)
     drawings = [first]
+    wider = over_its_own_range(bench, chosen.candidate)
+    if wider is not None:
+        first = Drawing(wider, chunks)
+        drawings.append(first)
     for odd in (False, True):
         drawings += _rougher_and_rougher(bench, first, odd)
     best = _that_carries_over(drawings)
-    if best is first:
+    if best is drawings[0]:
         return chosen
     best = told_apart(bench, first, best)
     errors = replace(best.errors, noise=chosen.errors.noise)

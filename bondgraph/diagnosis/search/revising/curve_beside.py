@@ -168,7 +168,7 @@ def told_if_fine(
     bench = Bench.of(first.base, shop, "round 1")
     all_named = _dealt_like(made[-1], chosen)
     for curve, fine in drawn_as_near(bench, chosen, worth, before):
-        held = _held_against(all_named, rounds, 0, fine)
+        held = held_against(all_named, rounds, 0, fine)
         all_there_is = explainable(fine.candidate.fitted, floor) <= most
         if all_there_is and clearly_better(fine, all_named, rule):
             return replace(held, curve=curve)
@@ -200,15 +200,16 @@ def _curves_beside(rounds: Sequence[Round]) -> list[BetterCurve]:
     dealt = {judged.errors.chunks.size: judged for _, judged in curves}
     named = {size: _dealt_like(made[-1], judged) for size, judged in dealt.items()}
     return [
-        _held_against(named[judged.errors.chunks.size], rounds, i, judged)
+        held_against(named[judged.errors.chunks.size], rounds, i, judged)
         for i, judged in curves
     ]
 
 
-def _held_against(
+def held_against(
     named: Judged, rounds: Sequence[Round], index: int, curve: Judged
 ) -> BetterCurve:
-    """Return a curve held against all that was found with a name."""
+    """Return a curve held against all that was found beside it."""
+    named = _dealt_like(named, curve)
     times = _times(named, curve)
     first, until = rounds[index].chosen, rounds[: index + 1]
     return BetterCurve(
@@ -240,12 +241,22 @@ def _dealt_like(judged: Judged, other: Judged) -> Judged:
 
 
 def with_curve(
-    rounds: Sequence[Round], better: BetterCurve, rule: Rule, shop: Workshop
+    rounds: Sequence[Round],
+    better: BetterCurve,
+    rule: Rule,
+    shop: Workshop,
+    least: float = 1.0,
 ) -> list[Round] | None:
     """Return the rounds up to the one that judged the curve, which it has chosen.
 
     Like any curve that is chosen it is drawn as finely as the data tell, and so are its
-    nearest rivals. None where it leaves more even so.
+    nearest rivals. None where what was found leaves less than a share of what it leaves
+    even so.
+
+    Parameters
+    ----------
+    least
+        That share.
     """
     found, curve = rounds[better.index], better.curve
     before = left_out_errors(found.base, curve.errors.chunks.size)
@@ -253,7 +264,7 @@ def with_curve(
     bench = Bench.of(found.base, shop, f"round {better.index + 1}")
     drawn = finest_of(bench, curve, found.judged, before)
     chosen = next(iter(drawn.values()))
-    if better.times < LEAVES_MORE and _times(better.named, chosen) < 1.0:
+    if better.times < LEAVES_MORE and _times(better.named, chosen) < least:
         return None
     judged = tuple(drawn.get(id(one), one) for one in found.judged)
     told = replace(found, judged=judged, chosen=chosen, probability=sure, removed=())
