@@ -28,6 +28,9 @@ BEYOND = 0.1
 NARROW = 1.5
 """So many times narrower is another range, too."""
 
+MOST = 0.9
+"""Of what the curve takes away, that it does over its own range."""
+
 TIMES = 3
 """How often at most: each time it may go farther."""
 
@@ -35,14 +38,15 @@ TIMES = 3
 def over_its_own_range(bench: Bench, candidate: Candidate) -> Candidate | None:
     """Return a curve fitted over what it goes through; None where it was already.
 
-    None, too, where it leaves more so: then what it went through was no range.
+    As few knots over more may leave more, until it is drawn finely. None, too, where
+    hardly anything is taken away so: then what it went through was no range.
     """
-    found, now = None, candidate
+    found, now, before = None, candidate, bench.base.optimum.cost
     for _ in range(TIMES):
-        wider = _drawn_anew(bench, now)
-        if wider is None or wider.cost >= now.cost:
+        anew = _drawn_anew(bench, now)
+        if anew is None or before - anew.cost < MOST * (before - now.cost):
             break
-        found = now = wider
+        found = now = anew
     return found
 
 
