@@ -17,9 +17,16 @@ from bondgraph.diagnosis.evidence.numbers import none_told
 from bondgraph.diagnosis.records import Finding, Support
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.revising.curve_beside import BetterCurve, better_curve
+from bondgraph.diagnosis.search.revising.one_relation import one_relation
 from bondgraph.diagnosis.search.round_found import Round, accepted, shares_of
 from bondgraph.fitting.result import FitResult
 from bondgraph.recordings.binding import BoundRecording
+
+ONE_RELATION, HALF = (
+    " The curve beside it goes along the same variable: the two may be one relation.",
+    0.5,
+)
+"""What is said of a law that a curve mends, and how much of its probability is left."""
 
 MENDS_SHAPE = (
     " It takes away little beside what was found before, and may only mend its shape."
@@ -44,6 +51,8 @@ def findings_of(
         The errors of what is known only in proportion to the model's own parameters.
     """
     made, better = accepted(rounds), better_curve(rounds, options.rule)
+    whole = one_relation(rounds)
+    mended = None if whole is None else rounds[whole.index].chosen
     findings: list[Finding] = []
     others: dict[str, Sequence[Judged]] = {}
     laws = [one.chosen for one in made if one.chosen is not None]
@@ -69,6 +78,7 @@ def findings_of(
                 + nearest(found)
                 + comes_near(near)
                 + _as_well(rivals)
+                + (ONE_RELATION if chosen is mended else "")
                 + (MENDS_SHAPE if share < MERE_SHAPE else ""),
                 alternatives=(
                     *(shown(j, held_out) for j in close),
@@ -76,7 +86,7 @@ def findings_of(
                     *(shown(one, held_out) for one in rivals[:1]),
                     *hardly_supported(found, options, held_out),
                 ),
-                probability=_sure(found, share),
+                probability=_sure(found, share * (HALF if chosen is mended else 1.0)),
             )
         )
         others[finding.element] = close

@@ -81,6 +81,8 @@ def search(
     begun = _from_a_curve(rounds, recordings, options, shop)
     if begun is None:
         begun = pair_instead(rounds, recordings, noise, options, shop)
+    if begun is None and one_relation(rounds):
+        begun = rounds[:-1]  # Two relations after all.
     if begun is not None:
         *before, last = chosen_in(begun)
         added = tuple(one.hypothesis for one in before)
@@ -120,7 +122,10 @@ def _searched(
     *,
     another: bool = False,
 ) -> list[Round]:
-    """Return the rounds of a search that goes on from those that were made already."""
+    """Return the rounds of a search that goes on from those that were made already.
+
+    From none it ends where a curve mends a law: it may have to begin anew.
+    """
     rounds, noise, authored = list(begun), reached.noise, reached.first.graph.parameters
     samples = len(reached.first.problem.shots.time)
     most = min(options.most_findings, max(samples // SAMPLES_PER_FINDING, 1))
@@ -162,7 +167,8 @@ def _searched(
             made, fitted = fitted_anew(made, fitted, setting)
         rounds += made
         reached = _handed_on(reached, fitted, added, options)
-        if shares_of(rounds)[-1] < MERE_SHAPE:
+        mended = not begun and one_relation(rounds) is not None
+        if mended or shares_of(rounds)[-1] < MERE_SHAPE:
             return [*rounds, Round(reached.current)]
 
 

@@ -18,16 +18,11 @@ from bondgraph.diagnosis.evidence.left_out import left_out_errors
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.base.beyond_noise import Array, explainable
 from bondgraph.diagnosis.search.laws.finer import drawn_as_near, finest_of
+from bondgraph.diagnosis.search.laws.mending import DRY
 from bondgraph.diagnosis.search.pairs.together import explained
 from bondgraph.diagnosis.search.round_found import Round, made_in
 from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.work.workers import Workshop
-from bondgraph.physics.friction import (
-    CoulombFriction,
-    DirectionDependentFriction,
-    StribeckFriction,
-)
-from bondgraph.physics.load import LoadDependentFriction
 
 LEAVES_MORE = 1.5
 """Named laws that leave so many times what a curve leaves come near at most."""
@@ -51,11 +46,6 @@ WITHIN_REACH, IN_PLACE_OF_DRY = 0.95, 0.2
 curve follows what dry friction of a real machine leaves, too. That costs its drawing,
 and none that leaves more than the first with few knots comes down to it with many.
 """
-
-DRY = frozenset({
-    CoulombFriction.word, DirectionDependentFriction.word, StribeckFriction.word,
-    LoadDependentFriction.word,
-})  # fmt: skip
 
 STILL_MORE, AS_MUCH = 2.0, 0.5
 """Where the first law was so, others only mend its shape: a second that still leaves so
