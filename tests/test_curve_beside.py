@@ -1,6 +1,7 @@
 """A relation that a named law only comes near to is told as a curve, or said to be."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from judged_candidates import judged
 from rubbing_slider import place_of, proposed, slider
 
 from bondgraph import Recording, bind_to, diagnose
+from bondgraph.diagnosis.answer import found as found_there
 from bondgraph.diagnosis.candidates import CURVE, Candidate
 from bondgraph.diagnosis.drawn_laws import law_curve
 from bondgraph.diagnosis.evidence.judged import Rule
@@ -85,6 +87,32 @@ def test_a_curve_of_a_speed_leaves_no_other_law_of_that_speed_there():
     (curve,) = found.findings
     assert curve.physics == "unknown_relation"
     assert curve.probability > 0.8
+
+
+def test_a_curve_told_for_how_it_is_drawn_is_as_sure_as_it_is_drawn():
+    # With few knots it leaves more than the law that it takes the place of.
+    def dented(speed):
+        dent = np.exp(-(((np.abs(speed) - 0.3) / 0.08) ** 2))
+        return 3.0 * speed * np.abs(speed) * (1.0 - 0.5 * dent)
+
+    found = said(dented)
+    (curve,) = found.findings
+    assert curve.physics == "unknown_relation"
+    assert curve.probability > 0.7
+
+
+def test_a_law_that_a_curve_mends_is_told_to_be_a_piece_of_it(monkeypatch):
+    def told():
+        (found,) = said(lambda speed: 3.0 * speed * np.abs(speed)).findings
+        assert found.physics == "quadratic_drag"
+        return found
+
+    alone, piece = told(), "may be one relation"
+    assert piece not in alone.statement
+    monkeypatch.setattr(found_there, "one_relation", lambda _: SimpleNamespace(index=0))
+    mended = told()
+    assert piece in mended.statement
+    assert mended.probability == pytest.approx(0.5 * alone.probability)
 
 
 @pytest.mark.parametrize("drag", [0.0, 3.0])

@@ -250,12 +250,12 @@ def with_curve(
     """
     found, curve = rounds[better.index], better.curve
     before = left_out_errors(found.base, curve.errors.chunks.size)
-    sure = probability(curve, found.judged, before, rule)
     bench = Bench.of(found.base, shop, f"round {better.index + 1}")
     drawn = finest_of(bench, curve, found.judged, before)
     chosen = next(iter(drawn.values()))
     if better.times < LEAVES_MORE and _times(better.named, chosen) < least:
         return None
     judged = tuple(drawn.get(id(one), one) for one in found.judged)
+    sure = probability(chosen, judged, before, rule)
     told = replace(found, judged=judged, chosen=chosen, probability=sure, removed=())
     return [*rounds[: better.index], told]
