@@ -1,6 +1,7 @@
 """A named law and a curve of its variable beside it are told as one relation."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from judged_candidates import judged
@@ -66,7 +67,18 @@ def test_there_is_none(rounds):
     assert one_relation(rounds) is None
 
 
-def test_a_law_that_was_taken_out_again_is_no_piece_of_it():
+@pytest.mark.parametrize("fine", [False, True])
+def test_a_law_gave_way_to_a_curve_that_is_not_drawn_yet(fine):
     first, second, last = rounds_of(LIMIT, MENDS, IN_ITS_PLACE)
-    law = LIMIT.candidate.hypothesis
-    assert one_relation([first, replace(second, removed=(law,)), last]) is None
+    edit = SimpleNamespace(parameters=(SimpleNamespace(std=0.2 if fine else None),))
+    hypothesis = SimpleNamespace(**{**vars(MENDS.candidate.hypothesis), "edit": edit})
+    candidate = SimpleNamespace(**{**vars(MENDS.candidate), "hypothesis": hypothesis})
+    second = replace(
+        second,
+        chosen=replace(MENDS, candidate=candidate),
+        removed=(LIMIT.candidate.hypothesis,),
+    )
+    whole = one_relation([first, second, last])
+    assert (whole is None) is fine
+    if not fine:
+        assert (whole.curve, whole.index) == (IN_ITS_PLACE, 0)

@@ -10,6 +10,7 @@ from bondgraph import BondGraph, C, Hold, R, Recording, Se, bind_to
 from bondgraph.diagnosis.drawn_laws import law_curve
 from bondgraph.diagnosis.probing import measure_scales
 from bondgraph.diagnosis.search.laws import own_range
+from bondgraph.diagnosis.search.laws.drawing import drawn_finely, is_fine
 from bondgraph.diagnosis.search.laws.own_range import over_its_own_range
 from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, fit_fully
@@ -17,6 +18,7 @@ from bondgraph.diagnosis.work.journal import Journal
 from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.places.everywhere import all_places
+from bondgraph.physics.smooth import Smooth
 from bondgraph.physics.unknown import UnknownRelation
 from bondgraph.structure.signals import f
 
@@ -108,3 +110,12 @@ def test_what_has_no_knots_of_its_own_stays(bench):
     ):
         other = replace(found, hypothesis=replace(found.hypothesis, **change))
         assert over_its_own_range(bench, other) is None
+
+
+def test_what_is_drawn_finely_is_known_from_its_bends(bench):
+    found = curve_over(bench)
+    heights = tuple(found.fitted.values[name] for name in found.hypothesis.strengths)
+    begin, smooth = Start.where_ended(found.fitted), Smooth(heights, 8, 3.0)
+    drawn = drawn_finely(bench, found.hypothesis, smooth, begin)
+    assert drawn.cost < 0.5 * found.cost
+    assert (is_fine(found.hypothesis), is_fine(drawn.hypothesis)) == (False, True)

@@ -86,6 +86,11 @@ def told_apart(bench: Bench, first: Drawing, best: Drawing) -> Drawing:
     return Drawing(found, first.chunks, smooth)
 
 
+def is_fine(curve: Hypothesis) -> bool:
+    """Return whether a curve is drawn finely: how much it bends is stated then."""
+    return any(one.std for one in curve.edit.parameters)
+
+
 def lines_in(strengths: Sequence[str]) -> dict[str, str]:
     """Return which of a smooth curve's numbers are its lines, by name.
 

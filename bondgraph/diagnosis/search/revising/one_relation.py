@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.laws.drawing import is_fine
 from bondgraph.diagnosis.search.laws.mending import mends
 from bondgraph.diagnosis.search.revising.curve_beside import (
     BetterCurve,
@@ -22,19 +23,29 @@ AS_MUCH = 0.8
 
 
 def one_relation(rounds: Sequence[Round]) -> BetterCurve | None:
-    """Return the curve that was tried where a law and a curve were found, if any."""
+    """Return the curve that was tried where a law and a curve were found, if any.
+
+    Or where a law gave way to a curve through few knots: drawn finely it is told alone.
+    """
     made = made_in(rounds)
-    pieces = [
-        law
-        for i, law in enumerate(made)
-        if any(_mends(curve, law) for curve in made[i + 1 :])
-    ]
     for index, found in enumerate(rounds):
-        for curve in found.judged if found.chosen in pieces else ():
-            assert found.chosen is not None
-            if curve.support is Support.SUPPORTED and _mends(curve, found.chosen):
+        law = found.chosen
+        if law is None or not any(_takes_over(one, law, made) for one in made):
+            continue
+        for curve in found.judged:
+            if curve.support is Support.SUPPORTED and _mends(curve, law):
                 return held_against(made[-1], rounds, index, curve)
     return None
+
+
+def _takes_over(curve: Judged, law: Judged, made: Sequence[Judged]) -> bool:
+    """Return whether a curve that was found mends a law, or took its place as it is."""
+    if not _mends(curve, law):
+        return False
+    order = [id(one) for one in made]
+    if id(law) in order:
+        return order.index(id(law)) < order.index(id(curve))
+    return not is_fine(curve.candidate.hypothesis)
 
 
 def _mends(curve: Judged, law: Judged) -> bool:
