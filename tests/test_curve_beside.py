@@ -14,6 +14,7 @@ from bondgraph.diagnosis.candidates import CURVE, Candidate
 from bondgraph.diagnosis.drawn_laws import law_curve
 from bondgraph.diagnosis.evidence.judged import Rule
 from bondgraph.diagnosis.records import Verdict
+from bondgraph.diagnosis.search import rounds as searched
 from bondgraph.diagnosis.search.laws import curve_from_law
 from bondgraph.diagnosis.search.laws.curve_from_law import with_curve_drawn
 from bondgraph.diagnosis.search.options import Options
@@ -89,8 +90,16 @@ def test_a_curve_of_a_speed_leaves_no_other_law_of_that_speed_there():
     assert curve.probability > 0.8
 
 
-def test_a_curve_told_for_how_it_is_drawn_is_as_sure_as_it_is_drawn():
+def test_a_curve_told_for_how_it_is_drawn_is_as_sure_as_it_is_drawn(monkeypatch):
     # With few knots it leaves more than the law that it takes the place of.
+    beside, pairs = [], searched.or_two
+
+    def seen(setting, *rest):
+        beside.extend(one.physics for one in setting.found)
+        return pairs(setting, *rest)
+
+    monkeypatch.setattr(searched, "or_two", seen)
+
     def dented(speed):
         dent = np.exp(-(((np.abs(speed) - 0.3) / 0.08) ** 2))
         return 3.0 * speed * np.abs(speed) * (1.0 - 0.5 * dent)
@@ -99,6 +108,8 @@ def test_a_curve_told_for_how_it_is_drawn_is_as_sure_as_it_is_drawn():
     (curve,) = found.findings
     assert curve.physics == "unknown_relation"
     assert curve.probability > 0.7
+    # Nor were there any two laws to try beside that one first.
+    assert "quadratic_drag" not in beside
 
 
 def test_a_law_that_a_curve_mends_is_told_to_be_a_piece_of_it(monkeypatch):

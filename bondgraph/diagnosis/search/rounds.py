@@ -14,22 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE
-from bondgraph.diagnosis.evidence.leftover import noise_floor
 from bondgraph.diagnosis.search.base.between_samples import finely_stepped
 from bondgraph.diagnosis.search.base.beyond_noise import left_beside, within
 from bondgraph.diagnosis.search.base.weighed import weighed_anew
 from bondgraph.diagnosis.search.considered import Setting
+from bondgraph.diagnosis.search.from_a_curve import all_there_is, from_a_curve
 from bondgraph.diagnosis.search.making import Made, made_of, or_two
 from bondgraph.diagnosis.search.one_round import one_round
 from bondgraph.diagnosis.search.options import Options
-from bondgraph.diagnosis.search.revising.curve_beside import (
-    told_if_fine,
-    told_instead,
-    with_curve,
-)
 from bondgraph.diagnosis.search.revising.exchange import Reached
 from bondgraph.diagnosis.search.revising.fitted_anew import fitted_anew
-from bondgraph.diagnosis.search.revising.one_relation import AS_MUCH, one_relation
+from bondgraph.diagnosis.search.revising.one_relation import one_relation
 from bondgraph.diagnosis.search.revising.otherwise_held import held_as_found
 from bondgraph.diagnosis.search.revising.pair_instead import pair_instead
 from bondgraph.diagnosis.search.revising.reconsidered import reconsidered
@@ -78,7 +73,7 @@ def search(
     """
     start = Reached(base, base, (), noise)
     rounds = _searched([], start, recordings, options, shop, another=another)
-    begun = _from_a_curve(rounds, recordings, options, shop)
+    begun = from_a_curve(rounds, recordings, options, shop)
     if begun is None:
         begun = pair_instead(rounds, recordings, noise, options, shop)
     if begun is None and one_relation(rounds):
@@ -90,27 +85,6 @@ def search(
         reached = _handed_on(at, last.fitted, (*added, last.hypothesis), options)
         rounds = _searched(begun, reached, recordings, options, shop)
     return reconsidered(rounds, recordings, noise, options, shop)
-
-
-def _from_a_curve(
-    rounds: Sequence[Round],
-    recordings: Sequence[BoundRecording],
-    options: Options,
-    shop: Workshop,
-) -> list[Round] | None:
-    """Return rounds that end with a curve in place of laws with a name, if any do."""
-    said, least = "again, from a curve that no law with a name comes near to", 1.0
-    curve = told_instead(rounds, options.rule)
-    if curve is None and not shop.limit.passed:
-        floor = np.fromiter(noise_floor(recordings).values(), np.float64)
-        curve = told_if_fine(rounds, floor, options.rule, shop)
-    if curve is None:
-        said, least = "again, from a curve in place of a law that it mends", AS_MUCH
-        curve = one_relation(rounds)
-    if curve is None or shop.limit.passed:
-        return None
-    shop.progress(said)
-    return with_curve(rounds, curve, options.rule, shop, least)
 
 
 def _searched(
@@ -156,8 +130,13 @@ def _searched(
         done = shop.limit.undone
         shop.progress(f"round {number}: trying without what was added before")
         found, fitted, added = made_of(reached, found, authored, options.rule)
-        if another and not rounds and found.chosen is None:
-            return [found]
+        if found.chosen is None and (
+            another
+            if not rounds
+            # One relation is likelier than what was found and two laws beside it.
+            else all_there_is([*rounds, found], recordings, options, shop)
+        ):
+            return [*rounds, found]
         one: Made = ((found,), fitted, added)
         made, fitted, added = or_two(setting, reached, one, authored, shop)
         if not made:
@@ -167,9 +146,14 @@ def _searched(
             made, fitted = fitted_anew(made, fitted, setting)
         rounds += made
         reached = _handed_on(reached, fitted, added, options)
-        mended = not begun and one_relation(rounds) is not None
-        if mended or shares_of(rounds)[-1] < MERE_SHAPE:
+        if _needs_no_more(rounds, begun):
             return [*rounds, Round(reached.current)]
+
+
+def _needs_no_more(rounds: Sequence[Round], begun: Sequence[Round]) -> bool:
+    """Return whether the last round only mends what was found, by shape or a curve."""
+    mended = not begun and one_relation(rounds) is not None
+    return mended or shares_of(rounds)[-1] < MERE_SHAPE
 
 
 def _handed_on(
