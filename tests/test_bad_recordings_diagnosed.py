@@ -245,12 +245,10 @@ MIRRORED = (
 )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("known", "said"),
-    [
-        ({"std": 0.02}, SWAPPED),
-        pytest.param({}, MIRRORED, marks=pytest.mark.long),
-    ],
+    [({"std": 0.02}, SWAPPED), ({}, MIRRORED)],
     ids=["known masses", "free masses"],
 )
 def test_inputs_of_one_kind_that_were_swapped_are_told_as_that(known, said):

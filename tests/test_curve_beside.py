@@ -83,6 +83,7 @@ def test_a_law_that_comes_near_is_doubted_beside_a_curve():
     assert "unknown_relation" in [one.physics for one in rub.alternatives]
 
 
+@pytest.mark.long
 def test_a_curve_of_a_speed_leaves_no_other_law_of_that_speed_there():
     found = said(lambda speed: 3.0 * np.sign(speed) * np.abs(speed) ** 0.3)
     (curve,) = found.findings

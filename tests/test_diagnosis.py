@@ -52,7 +52,14 @@ def diagnosed(graph, **concealed):
     [
         ({"coulomb": 1.0}, free_cart, "coulomb_friction", "coulomb_wheel", 1.0),
         ({"drag": 1.5}, free_cart, "quadratic_drag", "quadratic_wheel", 1.5),
-        ({"spring": 8.0}, free_cart, "spring", "stiffness_wheel", 8.0),
+        pytest.param(
+            {"spring": 8.0},
+            free_cart,
+            "spring",
+            "stiffness_wheel",
+            8.0,
+            marks=pytest.mark.long,
+        ),
         pytest.param(
             {"stiffness": 40.0, "coulomb": 0.8},
             sprung_cart,

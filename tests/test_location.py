@@ -26,7 +26,7 @@ def fitted(truth, *, load_encoder, seed=0, samples=1000):
     ("truth", "load_encoder"),
     [
         ("coulomb_load", True),
-        ("coulomb_load", False),
+        pytest.param("coulomb_load", False, marks=pytest.mark.long),
         pytest.param("brush", False, marks=pytest.mark.long),
     ],
 )

@@ -98,6 +98,7 @@ def pulled(seed):
     return bind_to(sledge(), Recording.from_arrays(f"run {seed}", time, channels))
 
 
+@pytest.mark.long
 def test_a_late_position_shows_beside_friction():
     # Over short windows free first positions take what a lag does to a ramp: behind
     # friction it promised nothing, and a half of the misfit had no name.

@@ -89,6 +89,7 @@ def pump_table(seed):
     return Recording.from_arrays(f"table {seed}", None, channels)
 
 
+@pytest.mark.long
 def test_a_leak_shows_in_a_table_where_nothing_can_remember():
     # A state of its own in every row explains a table better than any cause: a pump
     # that leaked was "adequate", because a line that filled was fitted and laid aside.

@@ -59,7 +59,13 @@ def bump(way):
 @pytest.mark.parametrize(
     ("words", "size_of", "factor", "unit"),
     [
-        ("against the motion", lambda q: 0.5 + 2 * bump(q), np.sign, "N"),
+        pytest.param(
+            "against the motion",
+            lambda q: 0.5 + 2 * bump(q),
+            np.sign,
+            "N",
+            marks=pytest.mark.long,
+        ),
         ("proportional to", lambda q: 4 * bump(q), np.asarray, "(N)/(m/s)"),
     ],
 )

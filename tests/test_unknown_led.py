@@ -66,6 +66,7 @@ def braked(graph, seed, samples=800):
     return bind_to(graph, Recording.from_arrays(f"run {seed}", time, channels))
 
 
+@pytest.mark.long
 def test_a_brake_past_its_peak_is_told_as_a_factor_along_its_speed():
     graph = trainer()
     found = diagnose(
