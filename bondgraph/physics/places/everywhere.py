@@ -1,7 +1,7 @@
 """All places of a graph, in the author's order."""
 
 from collections.abc import Collection, Iterator
-from itertools import combinations
+from itertools import combinations, product
 
 from bondgraph.physics.places.apart import motions_apart, motions_beside
 from bondgraph.physics.places.base import Place
@@ -16,6 +16,7 @@ from bondgraph.structure.domains import ELECTRICAL
 from bondgraph.structure.edits import carries_signals_only
 from bondgraph.structure.elements import (
     Compliance,
+    EffortSource,
     FlowSource,
     Gyrator,
     Inertance,
@@ -111,10 +112,12 @@ def _pairs(
 ) -> Iterator[PairPlace]:
     """Yield pairs of stocks that no resistance joins, and of motions that nothing does.
 
-    Of one domain each; and of motions that only a third one joins.
+    Of one domain each; of a stock and a room or a supply, held from outside; and of
+    motions that only a third one joins.
     """
     stocks = [name for name in junctions if _is_stock(graph, name)]
-    for first, second in combinations(stocks, 2):
+    outside = [name for name in junctions if _is_held(graph, name)]
+    for first, second in (*combinations(stocks, 2), *product(stocks, outside)):
         alike = graph.domain_at(first) == graph.domain_at(second)
         if alike and not _resisted(graph, first, second):
             yield StockPair(graph, first, scales, second)
@@ -128,6 +131,12 @@ def _is_stock(graph: FinishedGraph, junction: str) -> bool:
     nodes = _neighbours(graph, junction)
     stores = any(isinstance(node, Compliance) for node in nodes)
     return stores and isinstance(graph.node(junction), ZeroJunction)
+
+
+def _is_held(graph: FinishedGraph, junction: str) -> bool:
+    """Return whether a source holds the effort that a 0-junction shares."""
+    held = any(isinstance(node, EffortSource) for node in _neighbours(graph, junction))
+    return held and isinstance(graph.node(junction), ZeroJunction)
 
 
 def _resisted(graph: FinishedGraph, first: str, second: str) -> bool:

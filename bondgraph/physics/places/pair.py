@@ -52,7 +52,10 @@ class PairPlace(Place):
 
 
 class StockPair(PairPlace):
-    """Two 0-junctions that store and that no resistance joins."""
+    """Two 0-junctions that no resistance joins: the first stores.
+
+    The second stores as well, or a source holds its effort: a room, a supply.
+    """
 
     __slots__ = ()
 
