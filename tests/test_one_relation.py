@@ -8,7 +8,7 @@ from judged_candidates import judged
 
 from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.records import Support
-from bondgraph.diagnosis.search.revising.one_relation import one_relation
+from bondgraph.diagnosis.search.revising.one_relation import one_relation, pieces_of
 from bondgraph.diagnosis.search.round_found import Round
 
 SPEED, SWING = ("flow",), ("displacement",)
@@ -82,3 +82,11 @@ def test_a_law_gave_way_to_a_curve_that_is_not_drawn_yet(fine):
     assert (whole is None) is fine
     if not fine:
         assert (whole.curve, whole.index) == (IN_ITS_PLACE, 0)
+
+
+def test_pieces_are_the_laws_that_a_curve_was_tried_in_the_place_of():
+    law = LIMIT.candidate.hypothesis
+    assert pieces_of(rounds_of(LIMIT, MENDS, IN_ITS_PLACE)) == (law,)
+    # Beside any other law a curve is drawn as finely as any.
+    assert pieces_of(rounds_of(LIMIT, MENDS)) == ()
+    assert pieces_of([Round(None)]) == ()

@@ -32,23 +32,23 @@ def beyond_training(
 ) -> tuple[str, ...]:
     """Return a note for each curve that held-out recordings take beyond its knots."""
     curves = [
-        (argument, candidate)
+        (argument, *_along(candidate))
         for candidate in chosen
         if candidate.hypothesis.physics == CURVE
         and (argument := argument_of(candidate)) is not None
     ]
     if not curves or not held_out:
         return ()
-    arguments = tuple(dict.fromkeys(argument for argument, _ in curves))
+    arguments = tuple(dict.fromkeys(argument for argument, *_ in curves))
     trained = probe(final, arguments)
     kept = [(r.name, probe(_over(final, r), arguments)) for r in held_out]
     return tuple(
-        f"{name} takes the {_word(candidate)} {ends}: beyond, the curve is a line "
+        f"{name} takes the {word} {ends}: beyond, the curve is a line "
         "carried on, and what it misses there says nothing against the curve. Train "
         "on that recording, too, to have it drawn there."
-        for argument, candidate in curves
+        for argument, word, unit in curves
         for name, read in kept
-        if (ends := _ends(trained[argument], read[argument], _unit(candidate)))
+        if (ends := _ends(trained[argument], read[argument], unit))
     )
 
 
@@ -61,21 +61,13 @@ def _over(final: FittedModel, recording: BoundRecording) -> FittedModel:
     )
 
 
-def _word(candidate: Candidate) -> str:
-    """Return what a curve goes along, and where."""
+def _along(candidate: Candidate) -> tuple[str, str]:
+    """Return what a curve goes along, and where, and its unit."""
     law = candidate.hypothesis
     if law.shape is not None:
-        return law.shape.argument_name
-    domain = candidate.fitted.graph.domain_at(law.place)
-    return f"{domain.word(Quantity(law.depends_on[0]))} at {law.place}"
-
-
-def _unit(candidate: Candidate) -> str:
-    law = candidate.hypothesis
-    if law.shape is not None:
-        return law.shape.argument_unit
-    domain = candidate.fitted.graph.domain_at(law.place)
-    return domain.unit(Quantity(law.depends_on[0]))
+        return law.shape.argument_name, law.shape.argument_unit
+    domain, own = candidate.fitted.graph.domain_at(law.place), law.depends_on[0]
+    return f"{domain.word(Quantity(own))} at {law.place}", domain.unit(Quantity(own))
 
 
 def _ends(trained: Array, kept: Array, unit: str) -> str:

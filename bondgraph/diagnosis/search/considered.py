@@ -13,6 +13,8 @@ from bondgraph.diagnosis.candidates import (
     Promised,
     propose_all,
 )
+from bondgraph.diagnosis.evidence.judged import Judged
+from bondgraph.diagnosis.search.laws.mending import mends
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.trials.worth import fault_of
 from bondgraph.fitting.estimate import FittedModel
@@ -56,6 +58,8 @@ class Setting:
         Whether curves without a name are considered.
     supported
         What tells the laws that earlier rounds supported, see `Hypothesis.told_by`.
+    pieces
+        Of what was found, what a curve may be told in the place of.
     """
 
     base: FittedModel
@@ -66,11 +70,16 @@ class Setting:
     found: tuple[Hypothesis, ...]
     curves: bool
     supported: frozenset[tuple[str, ...]] = frozenset()
+    pieces: tuple[Hypothesis, ...] = ()
 
     @property
     def is_first(self) -> bool:
         """Whether this is the first round."""
         return self.number == 1
+
+    def is_piece(self, chosen: Judged) -> bool:
+        """Return whether a curve mends such a law: alone it is drawn, if at all."""
+        return any(mends(chosen.candidate.hypothesis, law) for law in self.pieces)
 
     def fault(self, candidate: Candidate, chunks: int) -> str | None:
         """Return why a law that leads is not the one after all, None where it is.

@@ -30,7 +30,6 @@ from bondgraph.diagnosis.search.laws.fits import (
     fit_whatever,
 )
 from bondgraph.diagnosis.search.laws.lag_or_store import lag_or_store
-from bondgraph.diagnosis.search.laws.mending import mends
 from bondgraph.diagnosis.search.laws.other_places import at_other_places
 from bondgraph.diagnosis.search.laws.read_off import read_off
 from bondgraph.diagnosis.search.round_found import Round
@@ -104,7 +103,7 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
     if (
         chosen is not None
         and verdicts.before is not None
-        and not _mends(chosen, setting.found)
+        and not setting.is_piece(chosen)
     ):
         drawn = finest_of(bench, chosen, judged, verdicts.before)
         chosen = next(iter(drawn.values()))
@@ -186,11 +185,6 @@ def _beside(candidate: Candidate, found: Sequence[Hypothesis]) -> Candidate:
     # What replaces as many numbers as it adds is as simple as the model itself.
     least = min(candidate.complexity, 1)
     return replace(candidate, complexity=max(candidate.complexity - known, least))
-
-
-def _mends(chosen: Judged, found: Sequence[Hypothesis]) -> bool:
-    """Return whether a curve mends what was found: alone it is drawn, if at all."""
-    return any(mends(chosen.candidate.hypothesis, law) for law in found)
 
 
 def _suffices(seen: "_Seen", setting: Setting) -> bool:

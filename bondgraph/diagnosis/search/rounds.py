@@ -24,7 +24,7 @@ from bondgraph.diagnosis.search.one_round import one_round
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.revising.exchange import Reached
 from bondgraph.diagnosis.search.revising.fitted_anew import fitted_anew
-from bondgraph.diagnosis.search.revising.one_relation import one_relation
+from bondgraph.diagnosis.search.revising.one_relation import one_relation, pieces_of
 from bondgraph.diagnosis.search.revising.otherwise_held import held_as_found
 from bondgraph.diagnosis.search.revising.pair_instead import pair_instead
 from bondgraph.diagnosis.search.revising.reconsidered import reconsidered
@@ -77,7 +77,7 @@ def search(
     if begun is None:
         begun = pair_instead(rounds, recordings, noise, options, shop)
     if begun is None and one_relation(rounds):
-        begun = rounds[:-1]  # Two relations after all.
+        begun = rounds[:-2]  # Two relations after all: the curve is drawn beside it.
     if begun is not None:
         *before, last = chosen_in(begun)
         added = tuple(one.hypothesis for one in before)
@@ -113,7 +113,7 @@ def _searched(
         much = left_beside(base, current, noise) > options.rule.materiality
         setting = Setting(
             current, recordings, noise, options, number, reached.added, much,
-            supported_in(rounds),
+            supported_in(rounds), () if begun else pieces_of(rounds),
         )  # fmt: skip
         found = one_round(setting, shop)
         if options.recordings_decide_hold and not shop.limit.passed:

@@ -16,7 +16,8 @@ from bondgraph.diagnosis.search.revising.curve_beside import (
     BetterCurve,
     held_against,
 )
-from bondgraph.diagnosis.search.round_found import Round, made_in
+from bondgraph.diagnosis.search.round_found import Round, accepted, made_in
+from bondgraph.physics.hypothesis import Hypothesis
 
 AS_MUCH = 0.8
 """The share of what the curve leaves alone that both pieces leave at least."""
@@ -29,13 +30,30 @@ def one_relation(rounds: Sequence[Round]) -> BetterCurve | None:
     """
     made = made_in(rounds)
     for index, found in enumerate(rounds):
-        law = found.chosen
-        if law is None or not any(_takes_over(one, law, made) for one in made):
+        law, curve = found.chosen, _tried_instead(found)
+        if law is None or curve is None:
             continue
-        for curve in found.judged:
-            if curve.support is Support.SUPPORTED and _mends(curve, law):
-                return held_against(made[-1], rounds, index, curve)
+        if any(_takes_over(one, law, made) for one in made):
+            return held_against(made[-1], rounds, index, curve)
     return None
+
+
+def pieces_of(rounds: Sequence[Round]) -> tuple[Hypothesis, ...]:
+    """Return the laws that were found and that a curve was tried in the place of."""
+    return tuple(
+        found.chosen.candidate.hypothesis
+        for found in accepted(rounds)
+        if found.chosen is not None and _tried_instead(found) is not None
+    )
+
+
+def _tried_instead(found: Round) -> Judged | None:
+    """Return the curve that was tried in the place of the law of a round, if any."""
+    law = found.chosen
+    if law is None:
+        return None
+    supported = (one for one in found.judged if one.support is Support.SUPPORTED)
+    return next((curve for curve in supported if _mends(curve, law)), None)
 
 
 def _takes_over(curve: Judged, law: Judged, made: Sequence[Judged]) -> bool:
