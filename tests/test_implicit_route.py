@@ -1,6 +1,5 @@
 """The implicit route against the causal one, against hand-made numbers, and at size."""
 
-import time
 from collections.abc import Mapping
 from dataclasses import replace
 from operator import attrgetter
@@ -312,13 +311,10 @@ def test_a_chain_has_the_matrix_that_newton_gives() -> None:
     np.testing.assert_allclose(A, expected, rtol=1e-7, atol=1e-7)
 
 
-def test_a_thousand_stages_cost_well_under_a_second() -> None:
-    begin = time.process_time()
+def test_a_thousand_stages_have_a_few_numbers_in_each_row() -> None:
     system = implicit_state_space(spring_chain(1000))
-    spent = time.process_time() - begin
     assert system.A.shape == (2000, 2000)
     assert system.A.nnz < 8 * 2000
-    assert spent < 3.0  # about 0.2 s on an idle machine
 
 
 def test_a_large_algebraic_loop_is_factorised_sparsely() -> None:

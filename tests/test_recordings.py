@@ -3,7 +3,6 @@
 import math
 import os
 import pickle
-import time as clock
 from hashlib import sha256
 from pathlib import Path
 
@@ -192,16 +191,13 @@ def test_mat_by_mapping_with_matrices_by_column_and_row(tmp_path):
     assert "gain" in recording.unread
 
 
-def test_a_million_rows_in_a_few_seconds(tmp_path):
-    n = 1_000_000
+def test_good_rows_never_take_the_slow_pass(tmp_path, monkeypatch):
+    monkeypatch.delattr("bondgraph.recordings.csv_table.CsvTable._slow")
+    n = 200_000
     row = b"%d,0.123456789,-1.5e-3\n"
     path = tmp_path / "long.csv"
     path.write_bytes(b"time [s],u [N],y [m]\n" + b"".join(row % i for i in range(n)))
-    start = clock.process_time()
-    recording = read_recording(path)
-    assert len(recording) == n
-    # 1.2 to 1.6 s measured on one core; the slow pass would take over 4 s.
-    assert clock.process_time() - start < 4.0
+    assert len(read_recording(path)) == n
 
 
 # --- refusals ------------------------------------------------------------------------
