@@ -1,7 +1,8 @@
 """From a curve: where it is told in place of named laws the search begins anew.
 
 A curve that no law with a name comes near to, one that leaves noise alone where they
-leave much, and one that a law and a curve beside it are two pieces of.
+leave much, one that a law and a curve beside it are two pieces of, and one that leaves
+about as much as a law of which no number is told.
 """
 
 from collections.abc import Sequence
@@ -16,6 +17,7 @@ from bondgraph.diagnosis.search.revising.curve_beside import (
     told_instead,
     with_curve,
 )
+from bondgraph.diagnosis.search.revising.hollow_first import in_place_of_hollow
 from bondgraph.diagnosis.search.revising.one_relation import AS_MUCH, one_relation
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.diagnosis.work.workers import Workshop
@@ -36,6 +38,9 @@ def from_a_curve(
     if curve is None:
         said, least = "again, from a curve in place of a law that it mends", AS_MUCH
         curve = one_relation(rounds)
+    if curve is None and not shop.limit.passed:
+        said = "again, from a curve in place of a law of which no number is told"
+        curve = in_place_of_hollow(rounds, shop)
     if curve is None or shop.limit.passed:
         return None
     shop.progress(said)

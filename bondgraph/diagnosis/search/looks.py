@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bondgraph.diagnosis.candidates import CURVE
+from bondgraph.diagnosis.candidates import CURVE, Candidate
 from bondgraph.diagnosis.evidence.leftover import noise_floor, too_large
 from bondgraph.diagnosis.search.base.beginnings import Known
 from bondgraph.diagnosis.search.base.beyond_noise import within
@@ -22,7 +22,10 @@ from bondgraph.diagnosis.search.base.horizons import sharpened
 from bondgraph.diagnosis.search.base.short_runs import keeps_what_windows_show
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.remaining import MUCH_REMAINING, remaining
-from bondgraph.diagnosis.search.revising.hollow import without_hollow
+from bondgraph.diagnosis.search.revising.hollow import (
+    ends_as_nothing,
+    without_hollow,
+)
 from bondgraph.diagnosis.search.revising.plainer import without_needless_parts
 from bondgraph.diagnosis.search.round_found import Round, accepted, chosen_in
 from bondgraph.diagnosis.search.rounds import search
@@ -66,8 +69,17 @@ class Look:
 
         A curve bends to what windows leave of a motion that is longer than they are.
         """
-        chosen = chosen_in(self.rounds)
-        return any(one.hypothesis.physics != CURVE for one in chosen)
+        return bool(self._named())
+
+    @property
+    def is_told(self) -> bool:
+        """Whether a law with a name was found that has a number."""
+        return any(not ends_as_nothing(self.final, one) for one in self._named())
+
+    def _named(self) -> list[Candidate]:
+        """Return the laws with a name that were found."""
+        found = chosen_in(self.rounds)
+        return [one for one in found if one.hypothesis.physics != CURVE]
 
     def error(self, recordings: Sequence[BoundRecording]) -> float:
         """Return how far whole recordings are from being simulated, over the spread."""
@@ -209,10 +221,10 @@ def explains(seen: Look, recordings: Sequence[BoundRecording]) -> bool:
     """Return whether named laws have left little over what was looked at.
 
     On a machine that integrates, whole recordings may still drift off, and any law that
-    bends them back fits.
+    bends them back fits. Laws of which no number is told explain nothing.
     """
     return (
-        seen.is_named
+        seen.is_told
         and remaining(seen.rounds, noise_floor(recordings)) < MUCH_REMAINING
     )
 
