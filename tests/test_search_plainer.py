@@ -17,11 +17,13 @@ from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.revising import plainer
 from bondgraph.diagnosis.search.revising.plainer import without_needless_parts
 from bondgraph.diagnosis.search.revising.removal import fitted_with
 from bondgraph.diagnosis.search.round_found import Round
 from bondgraph.diagnosis.work.limit import Limit
 from bondgraph.fitting.estimate import FitSettings, fit_model
+from bondgraph.physics.bias import ConstantBias
 from bondgraph.physics.friction import CoulombFriction, StribeckFriction
 
 DRY = 0.8
@@ -91,6 +93,28 @@ def test_what_adds_something_stays(support):
     wide, _, (rounds, final) = search_that_chose_the_wider(0.6, support)
     assert rounds[0].chosen is wide
     assert "stribeck_rise_cart" in final.values
+
+
+@pytest.mark.parametrize("as_good", [True, False])
+def test_once_the_wider_law_is_gone_what_is_plainest_is_chosen_anew(
+    monkeypatch, as_good
+):
+    # A spring was chosen for how it hardens: without that it is as likely as others.
+    monkeypatch.setattr(plainer, "best_supported", lambda judged, _: judged[-1])
+    monkeypatch.setattr(plainer, "as_good", lambda *_: as_good)
+    recording = recorded(0.0)
+    base = fit_model(slider(), [recording], FitSettings())
+    wide = added_to(base, StribeckFriction(), Support.SUPPORTED, 0.9)
+    narrow = added_to(base, CoulombFriction(), Support.SUPPORTED, 0.9)
+    other = added_to(base, ConstantBias(), Support.SUPPORTED, 0.9)
+    found = Round(base, judged=(wide, narrow, other), chosen=wide, probability=0.8)
+    rounds = [found, Round(wide.candidate.fitted)]
+    (first, _), final = without_needless_parts(
+        rounds, wide.candidate.fitted, [recording], Options(), FOR_EVER
+    )
+    assert first.chosen.candidate is (other if as_good else narrow).candidate
+    assert set(first.chosen.candidate.hypothesis.parameters) <= final.values.keys()
+    assert wide not in first.judged
 
 
 def test_a_refuted_narrower_law_takes_no_place():

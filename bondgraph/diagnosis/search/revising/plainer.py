@@ -12,8 +12,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.evidence.addition import added_strengths, seen_again
+from bondgraph.diagnosis.evidence.confidence import probability
+from bondgraph.diagnosis.evidence.decision import best_supported
 from bondgraph.diagnosis.evidence.judged import Judged, Rule
+from bondgraph.diagnosis.evidence.left_out import left_out_errors
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.base.horizons import sharpened
 from bondgraph.diagnosis.search.options import Options
@@ -72,7 +76,26 @@ def without_needless_parts(
             fitted, final, options.rule
         ):
             plain, final = told, fitted
+            other = _chosen_anew(without, options.rule)
+            if other is not None and not limit.passed:
+                told = [*plain[:i], other, *plain[i + 1 :]]
+                fitted = _sharpened_with(told, final, recordings, options)
+                if as_good(fitted, final, options.rule):
+                    plain, final = told, fitted
     return plain, final
+
+
+def _chosen_anew(found: Round, rule: Rule) -> Round | None:
+    """Return the round with a plainer law than the narrower one, if that is no better.
+
+    What was chosen was so for what the wider law had added.
+    """
+    narrower, best = found.chosen, best_supported(found.judged, rule)
+    if narrower is None or best is None or best.physics in (CURVE, narrower.physics):
+        return None
+    before = left_out_errors(found.base, best.errors.chunks.size)
+    sure = probability(best, found.judged, before, rule)
+    return replace(found, chosen=best, probability=sure)
 
 
 def as_good(plain: FittedModel, wide: FittedModel, rule: Rule) -> bool:
