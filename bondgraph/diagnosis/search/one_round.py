@@ -5,6 +5,7 @@ judged on left-out data, and of the supported ones the simplest is chosen.
 """
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -81,8 +82,11 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
         ways = (fit_whatever, fit_remembering) if run_away(base) else (fit_remembering,)
         for fit in ways:
             if not _suffices(seen, setting):
-                fitted = fit(bench, others, HOPELESS, options.judged)
-                seen = _judged(setting, bench, fitted, hypotheses, tried, seen)
+                # A curve that was found is to be drawn in the time there is.
+                share = seen.verdicts.chosen is not None
+                with shop.limit.shared() if share else nullcontext():
+                    fitted = fit(bench, others, HOPELESS, options.judged)
+                    seen = _judged(setting, bench, fitted, hypotheses, tried, seen)
     if setting.supported and not _suffices(seen, setting):
         # What remembers was worth its fit before, whatever it promises from here.
         first = {id(one.hypothesis) for one in leading}
