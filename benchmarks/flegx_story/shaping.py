@@ -57,8 +57,13 @@ def plant_of(graph: FinishedGraph) -> ZeroPoleGain:
 
 def friction_pole(plant: ZeroPoleGain) -> float:
     """Return the slowest real pole beside the integrator, as a magnitude in rad/s."""
+    return min(real_poles(plant))
+
+
+def real_poles(plant: ZeroPoleGain) -> list[float]:
+    """Return the real poles beside the integrator, as magnitudes in rad/s."""
     real = [-p.real for p in plant.poles if abs(p.imag) <= STILL * abs(p)]
-    return min(pole for pole in real if pole > STILL)
+    return [pole for pole in real if pole > STILL]
 
 
 def speed_of_the_test(model: str) -> float:

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from benchmarks.flegx_story.leg import LENGTH
 from benchmarks.flegx_story.shaping import (
     designed,
     friction_pole,
     plant_of,
+    real_poles,
     rubbed,
     speed_of_the_test,
 )
@@ -18,11 +20,11 @@ from bondgraph import Design, load_model
 from flegx_models import models
 from flegx_models.tuned_zeros import tuning_tests
 
-RATIOS = {"motor": RATIO, "worm": WORM, "joint": 1.0}
+RATIOS = {"motor": RATIO, "worm": WORM, "joint": 1.0, "support": LENGTH}
 """Speed of a place per speed of the joint."""
 
 DRY = ("coulomb_friction", "direction_dependent_friction")
-"""Frictions with one torque a direction; to first harmonic their mean is what acts."""
+"""Frictions with one size; to first harmonic an asymmetry beside it takes no part."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,21 +43,23 @@ class FoundZero:
 def found_zero(answer: Path) -> FoundZero | None:
     """Return the controller for the model that an answer gives; None without friction.
 
-    The formula needs one dry friction that does not depend on a load.
+    The formula needs one dry friction that does not depend on a load, and a real pole:
+    beside a hysteresis, which is a spring at last, there may be none.
     """
     told: dict[str, Any] = json.loads(answer.read_text("utf-8"))
     dry = [one for one in told["findings"] if one["physics"] in DRY]
     if len(dry) != 1 or dry[0]["place"] not in RATIOS:
         return None
     (one,) = dry
-    sizes = [size["value"] for size in one["parameters"].values()]
-    size = sum(sizes) / len(sizes)
+    (size,) = (it["value"] for it in one["parameters"].values() if it["unit"] != "1")
     ratio = RATIOS[one["place"]]
     text = answer.with_suffix(".py")
     text.write_text(told["model"], "utf-8")
     model, concealed = model_and_concealed(answer.stem)
     speed = ratio * speed_of_the_test(model)
     plant = plant_of(rubbed(load_model(f"{text}:model"), one["element"], size, speed))
+    if not real_poles(plant):
+        return None
     behind_the_filter = concealed in ("all", "filter")
     design = designed(model, plant, filtered=not behind_the_filter)
     return FoundZero(friction=ratio * size, design=design)
