@@ -146,7 +146,7 @@ def test_an_answer_is_taken_to_the_controller(tmp_path):
         "physics": "coulomb_friction",
         "place": "motor",
         "element": "rub",
-        "parameters": {"dry": {"value": 0.035}},
+        "parameters": {"dry": {"value": 0.035, "unit": "N*m"}},
     }
     told = {
         "verdict": "physics_missing",

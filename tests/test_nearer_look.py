@@ -45,7 +45,7 @@ def looked(monkeypatch, cart, answers, options=None, seconds=None):
         asked.append((int(np.diff(fitted.problem.shots.edges).max()), another))
         rounds = [Round(fitted, chosen=chosen if word else None)]
         named = word not in (None, "unknown_relation")
-        return SimpleNamespace(rounds=rounds, is_named=named, share=share)
+        return SimpleNamespace(rounds=rounds, is_told=named, share=share)
 
     monkeypatch.setattr(nearer_look, "look", look)
     monkeypatch.setattr(looks, "remaining", lambda *_: seen_last(asked, answers))
@@ -66,7 +66,7 @@ def test_windows_are_divided_where_no_one_law_explains_them(
     answers = [(None, 1.0), ("cogging", 0.01)]
     seen, asked = looked(monkeypatch, cart_with_friction, answers)
     assert asked == [(SAMPLES, True), (SAMPLES // NEAR, False)]
-    assert seen.is_named
+    assert seen.is_told
 
 
 @pytest.mark.parametrize("nearer", [("cogging", 0.5), ("unknown_relation", 0.0)])

@@ -7,7 +7,8 @@ tell one from the other.
 
 As in the proof, a place that the answer calls not told from the one it names counts as
 named; a finding of which no number is known counts as nothing. These two rules were
-added with the first answers that needed them.
+added with the first answers that needed them, and on 2026-11-30 a third: a compliance
+that is not of the concealed size, to a factor of three, is another one.
 """
 
 import json
@@ -17,7 +18,8 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
-from benchmarks.flegx_story.leg import JOINTS
+from benchmarks.flegx_story.leg import JOINTS, LINK, TENDON
+from benchmarks.flegx_story.train import RATIO, WORM
 
 TRAIN = ("motor", "worm", "joint", "support")
 
@@ -29,6 +31,15 @@ RIGHT: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 }
 """Words and places of each piece: friction of the mesh has a part of either law, two
 second-order filters are lag and delay, and one signal path has them at either end."""
+
+COMPLIANCES = {"tendons": 1.0 / TENDON, "link": 1.0 / LINK}
+"""In rad/(N·m) at the joint."""
+
+SCALES = (1.0, 1.0 / WORM**2, 1.0 / RATIO**2)
+"""Of a compliance at the joint, at the worm and at the motor, seen from the joint."""
+
+OFF = 3.0
+"""A compliance so many times larger or smaller is another one."""
 
 FAMILY = {
     "worm": ("friction", "drag", "hysteresis"),
@@ -92,28 +103,44 @@ def _named(finding: Mapping[str, Any]) -> tuple[str, ...]:
     return (finding["place"], *others) if sized else (f"{finding['place']} (no size)",)
 
 
+def _of_its_size(piece: str, finding: Mapping[str, Any]) -> bool:
+    """Return whether a compliance that was found is as large as the concealed one."""
+    concealed = COMPLIANCES.get(piece)
+    if concealed is None:
+        return True
+    sizes = [
+        one["value"]
+        for name, one in finding["parameters"].items()
+        if name.startswith("compliance_") and "damping" not in name
+    ]
+    return not sizes or any(
+        1.0 / OFF < scale * size / concealed < OFF for size in sizes for scale in SCALES
+    )
+
+
 def telling(answer: Path) -> Telling:
     """Return what an answer has right; a finding stands for one piece at most."""
     told: dict[str, Any] = json.loads(answer.read_text("utf-8"))
-    left = [(one["physics"], _named(one)) for one in told["findings"]]
+    left = [(one["physics"], _named(one), one) for one in told["findings"]]
     pieces = dict.fromkeys(concealed_in(answer.stem), Told.SILENT)
     for wanted in (Told.RIGHT, Told.KIND):
         for piece, found in pieces.items():
             words, places = RIGHT[piece]
-            for physics, named in left if found is Told.SILENT else ():
+            for physics, named, one in left if found is Told.SILENT else ():
                 exact = physics in words
                 alike = any(word in physics for word in FAMILY[piece])
                 there = not set(named).isdisjoint(places)
-                if there and (exact if wanted is Told.RIGHT else alike):
+                fits = there and _of_its_size(piece, one)
+                if fits and (exact if wanted is Told.RIGHT else alike):
                     pieces[piece] = wanted
-                    left.remove((physics, named))
+                    left.remove((physics, named, one))
                     break
     errors = told["fit"]["held_out"]
     return Telling(
         name=answer.stem,
         verdict=told["verdict"],
         pieces=pieces,
-        beside=tuple(f"{physics} at {named[0]}" for physics, named in left),
+        beside=tuple(f"{physics} at {named[0]}" for physics, named, _ in left),
         before=errors["before"]["rmse"]["theta"],
         after=errors["after"]["rmse"]["theta"],
     )
