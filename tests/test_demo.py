@@ -14,6 +14,7 @@ def demo(folder, *words):
     return json.loads((folder / "result.json").read_text())
 
 
+@pytest.mark.long  # 84 s; CI diagnoses load-dependent friction with its nine cases
 def test_the_hidden_worm_friction_is_found_with_its_class(tmp_path):
     answer = demo(tmp_path)
     assert answer["verdict"] == "physics_missing"

@@ -141,6 +141,7 @@ def filled(graph, seed, samples=600):
     return bind_to(graph, Recording.from_arrays(f"run {seed}", time, channels))
 
 
+@pytest.mark.long
 def test_a_root_law_is_steered_by_the_jet_that_meets_its_hole():
     graph = tank()
     found = diagnose(
