@@ -17,6 +17,7 @@ import sympy
 from catalogue import CASES
 from click.testing import CliRunner
 
+from benchmarks.drawing import tree
 from bondgraph.causality.assignment import assign_causality
 from bondgraph.cli.program import program
 from bondgraph.errors import BondGraphError, CausalConflictError, StructureError
@@ -92,21 +93,6 @@ def gyrator_ring(size: int = 4) -> FinishedGraph:
     graph.put(Se("u"), on="j0")
     for k in range(size):
         graph.join(f"j{k}", GY(f"g{k}"), f"j{(k + 1) % size}")
-    return graph.finish()
-
-
-def tree(size: int = 40) -> FinishedGraph:
-    dice = random.Random(3)
-    graph = BondGraph(f"tree of {size}")
-    for k in range(size):
-        kinds = dice.choices([I, C, R], k=dice.randint(0, 3))
-        ports = [kind(f"x{k}_{n}") for n, kind in enumerate(kinds)]
-        (graph.one if k % 2 else graph.zero)(f"n{k}", *ports)
-        if k:
-            parent = f"n{dice.randint(max(0, k - 6), k - 1)}"
-            between = (TF(f"k{k}"),) if dice.random() < 0.25 else ()
-            graph.join(parent, *between, f"n{k}")
-    graph.put(Se("u"), on="n0")
     return graph.finish()
 
 
@@ -231,7 +217,7 @@ LEGS = {
 
 DRAWN = [
     *LEGS.values(),
-    *(cylinder(), double_pendulum(), gyrator_ring(), gyrator_ring(3), tree()),
+    *(cylinder(), double_pendulum(), gyrator_ring(), gyrator_ring(3), tree(40)),
     *(ladder(), mesh(), everybody_with_everybody(5, None)),
     *(everybody_with_everybody(6, GY), hub(), crowd(), side_by_side(), pieces()),
     coupled_coils(),
@@ -682,6 +668,7 @@ def test_the_code_of_the_page_on_pictures_runs() -> None:
 
 
 MODEL = """
+from benchmarks.drawing import tree
 from bondgraph import BondGraph, I, R, Se
 
 def cart() -> BondGraph:

@@ -160,43 +160,72 @@ def test_an_answer_is_taken_to_the_controller(tmp_path):
     assert "F = 8.80 N·m at the joint; zero at 2.90 rad/s" in shaped(answer)
 
 
-def test_a_finding_stands_for_one_piece_and_what_else_is_said_is_told(tmp_path):
-    said = (
-        ("direction_dependent_friction", "motor"),
-        ("compliance", "K_worm_gear"),
-        ("gravity", "joint"),
-        ("lag", "worm"),
-    )
-    known = {"size": {"value": 1.0, "std": 0.1}}
-    findings = [
-        {
-            "physics": physics,
-            "place": place,
-            "indistinguishable_places": [],
-            "parameters": known,
-        }
-        for physics, place in said
-    ]
-    findings[1]["indistinguishable_places"] = ["joint"]
+def found(physics, place, **parameters):
+    """Return a finding with parameters, each of a value and its standard error."""
+    numbers = {
+        name: {"value": value, "std": std} for name, (value, std) in parameters.items()
+    }
+    return {
+        "physics": physics,
+        "place": place,
+        "indistinguishable_places": [],
+        "parameters": numbers,
+    }
+
+
+def told_of(answer, *findings):
+    """Return what an answer with findings has right, of the case by its name."""
     error = {"rmse": {"theta": 0.5}}
     told = {
         "verdict": "physics_missing",
         "findings": findings,
         "fit": {"held_out": {"before": error, "after": error}},
     }
-    answer = tmp_path / "lowerleg_stance_all.json"
     answer.write_text(json.dumps(told), "utf-8")
-    found = telling(answer)
-    assert found.pieces == {
+    return telling(answer)
+
+
+def test_a_finding_stands_for_one_piece_and_what_else_is_said_is_told(tmp_path):
+    answer = tmp_path / "lowerleg_stance_all.json"
+    rub, gives, weight, late = (
+        found(physics, place, size=(1.0, 0.1))
+        for physics, place in (
+            ("direction_dependent_friction", "motor"),
+            ("compliance", "K_worm_gear"),
+            ("gravity", "joint"),
+            ("lag", "worm"),
+        )
+    )
+    gives["indistinguishable_places"] = ["joint"]
+    seen = told_of(answer, rub, gives, weight, late)
+    assert seen.pieces == {
         "worm": Told.KIND,
         "tendons": Told.RIGHT,
         "link": Told.SILENT,
         "filter": Told.SILENT,  # at a place where no filter can be
     }
-    assert found.beside == ("gravity at joint", "lag at worm")
-    findings[1]["parameters"] = {"size": {"value": 1.0, "std": 30.0}}
-    answer.write_text(json.dumps(told), "utf-8")
-    assert telling(answer).pieces["tendons"] is Told.SILENT
-    assert "compliance at K_worm_gear (no size)" in telling(answer).beside
+    assert seen.beside == ("gravity at joint", "lag at worm")
+    gives["parameters"] = {"size": {"value": 1.0, "std": 30.0}}
+    seen = told_of(answer, rub, gives, weight, late)
+    assert seen.pieces["tendons"] is Told.SILENT
+    assert "compliance at K_worm_gear (no size)" in seen.beside
     assert concealed_in("upperleg_flight_all") == ("worm", "link", "filter")
     assert concealed_in("upperleg_flight_all_gauged") == ("worm", "link", "filter")
+
+
+@pytest.mark.parametrize(
+    ("size", "place", "told"),
+    [
+        (2e-3, "joint", Told.RIGHT),
+        (2e-3 * train.WORM**2, "worm", Told.RIGHT),
+        (7.3, "joint", Told.SILENT),
+    ],
+    ids=["as large", "as large, seen from the joint", "far too soft"],
+)
+def test_a_compliance_counts_where_it_is_as_large_as_the_concealed_one(
+    tmp_path, size, place, told
+):
+    gives = found("compliance", place, compliance_there=(size, size / 100))
+    seen = told_of(tmp_path / "lowerleg_stance_tendons.json", gives)
+    assert seen.pieces == {"tendons": told}
+    assert bool(seen.beside) is (told is Told.SILENT)

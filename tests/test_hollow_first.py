@@ -23,13 +23,11 @@ def instead(monkeypatch, rounds, curve_leaves, *, hollow=(AMID,)):
     empty = [one.candidate for one in hollow]
     for name, stand_in in {
         "ends_as_nothing": lambda _, one: one in empty,
-        "left_out_errors": lambda *_: AMID.errors,
-        "drawn_as_near": lambda _, __, judged, ___: (
+        "drawn_beside": lambda _, __, judged, ___: (
             [(ROUGH, fine)] if ROUGH in judged else []
         ),
     }.items():
         monkeypatch.setattr(hollow_first, name, stand_in)
-    monkeypatch.setattr(hollow_first.Bench, "of", lambda *_: None)
     return in_place_of_hollow(rounds, None)
 
 

@@ -154,15 +154,30 @@ def told_if_fine(
     if any(one.physics in DRY for one in made):
         most = IN_PLACE_OF_DRY
         worth = [one for one in worth if _within_reach(one, floor)]
-    before = left_out_errors(first.base, chosen.errors.chunks.size)
-    bench = Bench.of(first.base, shop, "round 1")
     all_named = _dealt_like(made[-1], chosen)
-    for curve, fine in drawn_as_near(bench, chosen, worth, before):
+    for curve, fine in drawn_beside(first, chosen, worth, shop):
         held = held_against(all_named, rounds, 0, fine)
         all_there_is = explainable(fine.candidate.fitted, floor) <= most
         if all_there_is and clearly_better(fine, all_named, rule):
             return replace(held, curve=curve)
     return None
+
+
+def drawn_beside(
+    first: Round, chosen: Judged, worth: Sequence[Judged], shop: Workshop
+) -> list[tuple[Judged, Judged]]:
+    """Return curves that came as near as the first law, and each as drawn finely.
+
+    Parameters
+    ----------
+    chosen
+        What the first round chose.
+    worth
+        Of what it judged, what is worth drawing.
+    """
+    before = left_out_errors(first.base, chosen.errors.chunks.size)
+    bench = Bench.of(first.base, shop, "round 1")
+    return drawn_as_near(bench, chosen, worth, before)
 
 
 def _within_reach(curve: Judged, floor: Array) -> bool:

@@ -9,13 +9,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from bondgraph.diagnosis.candidates import CURVE
-from bondgraph.diagnosis.evidence.left_out import left_out_errors
-from bondgraph.diagnosis.search.laws.finer import drawn_as_near
-from bondgraph.diagnosis.search.revising.curve_beside import BetterCurve, held_against
+from bondgraph.diagnosis.search.revising.curve_beside import (
+    BetterCurve,
+    drawn_beside,
+    held_against,
+)
 from bondgraph.diagnosis.search.revising.hollow import ends_as_nothing
 from bondgraph.diagnosis.search.revising.one_relation import AS_MUCH
 from bondgraph.diagnosis.search.round_found import Round, made_in
-from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.work.workers import Workshop
 
 
@@ -31,9 +32,7 @@ def in_place_of_hollow(rounds: Sequence[Round], shop: Workshop) -> BetterCurve |
     named = all(one.physics != CURVE for one in made)
     if not named or not ends_as_nothing(rounds[-1].base, made[0].candidate):
         return None
-    before = left_out_errors(first.base, made[0].errors.chunks.size)
-    bench = Bench.of(first.base, shop, "round 1")
-    for curve, fine in drawn_as_near(bench, made[0], first.judged, before):
+    for curve, fine in drawn_beside(first, made[0], first.judged, shop):
         held = held_against(made[-1], rounds, 0, fine)
         if held.times >= AS_MUCH:
             return replace(held, curve=curve)

@@ -86,9 +86,9 @@ def without_needless_parts(
 
 
 def _chosen_anew(found: Round, rule: Rule) -> Round | None:
-    """Return the round with a plainer law than the narrower one, if that is no better.
+    """Return the round with what is plainest of all, if that is not the narrower law.
 
-    What was chosen was so for what the wider law had added.
+    A wider law was chosen for what it had added: without that others may do as well.
     """
     narrower, best = found.chosen, best_supported(found.judged, rule)
     if narrower is None or best is None or best.physics in (CURVE, narrower.physics):
