@@ -71,7 +71,6 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     RelaxingSpring(),
     InducedCurrent(),
     Leak(),
-    Slip(),
     Bypass(),
     SquareLaw(),
     SquareRootOrifice(),
@@ -101,6 +100,7 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     InputSwap(),
     Lag(),
     Delay(),
+    Slip(),  # of a filtered reading it says much the same, and is rarer
     Saturation(),
     DeadZone(),
     LostMotion(),

@@ -235,15 +235,6 @@ SCENES: Mapping[str, Scene] = {
         seconds=4.0,
     ),
     "Leak": Scene(**_FILLED, values={"leak": 0.15}),
-    "Slip": Scene(
-        machine=machines.belt,
-        place="coupling",
-        values={"leak": 0.5},
-        drive={"force": _steps(6.0, -6.0, 6.0, -6.0, every=2.5)},
-        output="far_position",
-        across="effort(coupling)",
-        up="flow(*)",
-    ),
     "Bypass": Scene(
         machine=machines.winding,
         place="inductance",
@@ -445,6 +436,15 @@ SCENES: Mapping[str, Scene] = {
     ),
     "Lag": Scene(**_COMMANDED, values={"lag": 0.4}),
     "Delay": Scene(**_COMMANDED, values={"delay": 0.4}),
+    "Slip": Scene(
+        machine=machines.belt,
+        place="coupling",
+        values={"leak": 0.5},
+        drive={"force": _steps(6.0, -6.0, 6.0, -6.0, every=2.5)},
+        output="far_position",
+        across="effort(coupling)",
+        up="flow(*)",
+    ),
     "Saturation": Scene(**_COMMANDED, values={"limit": 6.0}),
     "DeadZone": Scene(**_COMMANDED, values={"dead_zone": 3.0}),
     "LostMotion": Scene(
