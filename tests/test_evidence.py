@@ -439,6 +439,14 @@ def test_of_laws_that_predict_alike_the_plainest_is_told_at_its_best_place():
     assert best_supported([best, told, nearer], RULE) is nearer
 
 
+def test_a_filtered_reading_is_told_before_parts_that_slip():
+    slip = judged(0.301, noise=0.0, physics="slip", domain="rotation")
+    lag = judged(0.30, noise=0.0, physics="lag", place="encoder")
+    assert best_supported([slip, lag], RULE) is lag
+    clearer = judged(0.2, noise=0.0, physics="slip", domain="rotation")
+    assert best_supported([lag, clearer], RULE) is clearer
+
+
 def test_what_is_typical_of_a_domain_is_plainer_there():
     typical = judged(0.3, physics="leak", domain="hydraulic")
     other = judged(0.3, physics=RULE.order[0], domain="hydraulic")

@@ -7,12 +7,13 @@ from functools import cache
 import numpy as np
 import pint
 import pytest
-from physics_machines import MACHINES, Array, outputs
+from physics_machines import MACHINES, Array, known, outputs, scales_of
 from proposed import PROPOSED, SCALES
 
-from bondgraph import FinishedGraph, derive
+from bondgraph import BondGraph, C, FinishedGraph, R, Sf, derive
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.library import LIBRARY
+from bondgraph.physics.one_way import OneWayPassage
 from bondgraph.physics.orifice import Overflow
 from bondgraph.physics.places.channels import ChannelPlace
 from bondgraph.physics.places.everywhere import all_places, machine_junctions
@@ -314,6 +315,27 @@ def test_words_suit_the_domain():
     thermal = {h.physics for name, _, _, h in PROPOSED if name == "heaters"}
     assert {"radiation", "leak", "lag"} <= thermal
     assert not thermal & {"coulomb_friction", "square_root_orifice", "voltage_drop"}
+
+
+def test_heat_may_pass_more_easily_one_way():
+    g = BondGraph("two rooms, one above the other", domain="thermal")
+    for room in ("lower", "upper"):
+        g.zero(room, C(f"{room}_air"), Sf(f"{room}_heater"))
+        g.measure(f"{room}_temperature", effort=room)
+    g.one("stairs", R("opening"))
+    g.join("lower", "stairs")
+    g.join("stairs", "upper")
+    rooms = known(
+        g, lower_air=(9.0, "J/K"), upper_air=(8.0, "J/K"), opening=(2.0, "K/W")
+    )
+    ways = [
+        h.words
+        for place in all_places(rooms, scales_of(rooms))
+        for h in OneWayPassage().propose(place)
+        if place.name == "opening"
+    ]
+    assert ["passes less back" in told for told in ways] == [True, False]
+    assert all("beyond a temperature that opens it" in told for told in ways)
 
 
 def test_every_kind_of_hypothesis_can_be_solved_for():

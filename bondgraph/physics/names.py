@@ -43,6 +43,7 @@ ELSEWHERE = {
         "spring": "a heat capacity on the way",
         "hardening_spring": "a heat capacity that falls as it warms",
         "leak": "a path for heat (leak)",
+        "one_way_passage": "a one-way passage (thermal diode)",
     },
 }
 """What a mechanical name would not say."""

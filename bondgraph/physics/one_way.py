@@ -1,4 +1,4 @@
-"""What passes more easily one way: check valves and diodes, dampers with a valve."""
+"""What passes more easily one way: check valves, diodes, rising heat, some dampers."""
 
 from collections.abc import Iterator
 
@@ -8,7 +8,7 @@ from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import MECHANICAL, E, F, Place
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import OneJunctionPlace
-from bondgraph.structure.domains import ELECTRICAL, HYDRAULIC
+from bondgraph.structure.domains import ELECTRICAL, HYDRAULIC, THERMAL
 from bondgraph.structure.elements import Inertance, Resistance
 from bondgraph.structure.signals import e, f
 
@@ -22,16 +22,17 @@ LEAST = 1e-3
 class OneWayPassage(AbstractPhysics):
     """A resistance that is larger backwards, without end in a check valve or a diode.
 
-    Ahead nothing may flow below a pressure that opens it, or a forward voltage. Beside
+    Heat passes so where it is convected: it rises, and hardly sinks. Ahead nothing may
+    flow below a pressure that opens it, or a forward voltage. Beside
     an inertance (a coil, a column of liquid) the flow goes on by itself: there it is an
     effort that holds back what would return.
     """
 
     word = "one_way_passage"
-    reference = "check valves: Merritt 1967; a diode with a forward voltage"
+    reference = "check valves: Merritt 1967; diodes, thermosiphons, heat pipes"
     passivity = Passivity.DISSIPATIVE
     signature = "flow that comes and does not go back; taken for a yield beside a bias"
-    domains = frozenset({HYDRAULIC, ELECTRICAL})
+    domains = frozenset({HYDRAULIC, ELECTRICAL, THERMAL})
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it for every resistance whose flow its effort sets, for both ways.
