@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from bondgraph.diagnosis.answer.all_together import gone_together
 from bondgraph.diagnosis.answer.at_jumps import doubted_at_jumps
 from bondgraph.diagnosis.answer.beyond import beyond_training
 from bondgraph.diagnosis.answer.changed_over import with_images
@@ -112,6 +113,7 @@ def answer(
             *map(str, turns),
             *lost_over_whole(final, recordings, shown.trained),
             *beyond_training(chosen_in(rounds), final, held_out),
+            *gone_together(findings, everywhere),
             *at_bounds(graph, after.estimates),
             *undesigned,
             *look_alikes(findings, base, recordings),
