@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import MOTION, E, F, Place
 from bondgraph.physics.places.bond import BondPlace
+from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import ZeroJunctionPlace
 from bondgraph.physics.places.pair import StockPair
 from bondgraph.structure.domains import (
@@ -13,8 +14,15 @@ from bondgraph.structure.domains import (
     HYDRAULIC,
     THERMAL,
 )
-from bondgraph.structure.edits import GraphEdit
-from bondgraph.structure.elements import Compliance, EffortSource, Resistance
+from bondgraph.structure.edits import GraphEdit, LoosenBond
+from bondgraph.structure.elements import (
+    Compliance,
+    EffortSource,
+    OneJunction,
+    Resistance,
+    ZeroJunction,
+)
+from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.signals import e, f
 
 SLIPPING = (0.003, 0.01, 0.03, 0.1, 0.3)
@@ -22,7 +30,10 @@ SLIPPING = (0.003, 0.01, 0.03, 0.1, 0.3)
 
 
 class Leak(AbstractPhysics):
-    """A flow out of a 0-junction, or to another one, proportional to effort."""
+    """A flow out of a 0-junction, or to another one, proportional to effort.
+
+    Or past a store amid a loop, as a capacitor discharges itself.
+    """
 
     word = "leak"
     reference = "laminar leakage; insulation resistance; heat loss and conduction"
@@ -31,9 +42,14 @@ class Leak(AbstractPhysics):
     domains = frozenset({HYDRAULIC, ELECTRICAL, THERMAL, ANALOGUE})
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it at 0-junctions without a freely fitted linear R, and for pairs."""
+        """Yield it at 0-junctions without a freely fitted linear R, and for pairs.
+
+        And for a C amid a loop, which has no 0-junction of its own.
+        """
         if isinstance(place, StockPair) and self.suits(place):
             yield self._between(place)
+        if isinstance(place, ElementPlace) and place.domain in Leak.domains:
+            yield from self._past_a_store(place)
         if not isinstance(place, ZeroJunctionPlace) or not self.suits(place):
             return
         if not place.has_free_linear(Resistance):
@@ -46,6 +62,25 @@ class Leak(AbstractPhysics):
         element = Resistance(place.name_of(self.word), law=law)
         words = f"{place.a(F)} lost in proportion to {place.domain.effort}"
         return self.hypothesis(place, place.insert(element, g), law, (g,), words)
+
+    def _past_a_store(self, place: ElementPlace) -> Iterator[Hypothesis]:
+        """Yield it past a C that the flow of a loop goes through."""
+        (junction, *others) = place.junctions
+        store = isinstance(place.element, Compliance)
+        if not store or others or not _amid_a_loop(place.graph, junction):
+            return
+        some = 0.2 * place.flow / place.effort
+        g = place.strength("leak", place.unit(F, E), (0.0, some), low=0.0)
+        law = g.symbol * e
+        name = place.name_of(self.word)
+        loss = Resistance(f"{name}_losses", law=law)
+        (bond,) = place.graph.bonds_at(place.name)
+        edit = LoosenBond(bond, name, (loss,), (g.parameter,))
+        words = (
+            f"{place.name} loses what it holds in proportion to its "
+            f"{place.domain.effort}"
+        )
+        yield self.hypothesis(place, edit, law, (g,), words, also=(junction,))
 
     def _between(self, place: StockPair) -> Hypothesis:
         some = 0.2 * place.flow / place.effort
@@ -125,6 +160,18 @@ class Bypass(Slip):
                 f"{place.a(F)} past {place.name} in proportion to {place.domain.effort}"
             )
             yield self._past(place, words)
+
+
+def _amid_a_loop(graph: FinishedGraph, junction: str) -> bool:
+    """Return whether a 1-junction is no mere branch that hangs on a 0-junction.
+
+    What a branch's store loses is lost where it hangs on, but for what lies between.
+    """
+    if not isinstance(graph.node(junction), OneJunction):
+        return False
+    ends = (graph.node(bond.other(junction)) for bond in graph.bonds_at(junction))
+    beyond = [type(end) for end in ends if not isinstance(end, Compliance | Resistance)]
+    return beyond != [ZeroJunction]
 
 
 def _gives_way(place: ZeroJunctionPlace) -> bool:
