@@ -52,6 +52,7 @@ def candidate(
     domain="",
     by_output=(1.0,),
     depends_on=(),
+    samples=1000,
 ):
     domains = [SimpleNamespace(name=domain)] if domain else []
     hypothesis = SimpleNamespace(
@@ -67,7 +68,10 @@ def candidate(
         told=hypothesis,
         complexity=complexity,
         left_by_output=np.array(by_output),
-        fitted=SimpleNamespace(graph=SimpleNamespace(domains_at=lambda _: domains)),
+        fitted=SimpleNamespace(
+            graph=SimpleNamespace(domains_at=lambda _: domains),
+            residuals=lambda: np.zeros((samples, 1)),
+        ),
     )
 
 

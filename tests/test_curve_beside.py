@@ -238,6 +238,9 @@ def test_one_relation_is_likelier_than_three_laws_that_leave_as_much():
     three_laws = [*rounds, replace(less, chosen=as_much)]
     assert better_curve(three_laws, Rule()) is None
     assert told_instead(three_laws, Rule()).curve is curve
+    # Where few samples were read a curve follows them, whatever they are of.
+    few = judged(0.01, physics=CURVE, place="shaft", complexity=6, samples=59)
+    assert told_instead([rounds_of(one, few, two)[0], *three_laws[1:]], Rule()) is None
     # A machine that rubs, and has a ripple and a spring besides, keeps their names.
     rubs = judged(0.04, physics="coulomb_friction", place="shaft")
     assert not told_instead(

@@ -1,10 +1,12 @@
 """A law is called what those call it who work in the domain that it is in."""
 
+from dataclasses import replace
+
 import pytest
 from judged_candidates import judged
 
 from bondgraph.diagnosis.answer.wording import finding_statement
-from bondgraph.diagnosis.records import Evidence, Support
+from bondgraph.diagnosis.records import Evidence, Finding, Support
 from bondgraph.fitting.result import Estimate
 from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.names import ELSEWHERE, NAMES, SOFTER, name_of
@@ -36,6 +38,12 @@ def test_a_stock_that_softens_is_told_by_the_sign_of_its_number():
     )
     told = finding_statement(chosen, (), (), (estimate,))
     assert told.startswith("A stock that softens at tank was left out")
+    finding = Finding(
+        physics="hardening_spring", place="tank", element="store", domain="hydraulic",
+        statement=told, law="q**3", estimates=(estimate,),
+    )  # fmt: skip
+    assert finding.name == "a stock that softens"
+    assert replace(finding, estimates=()).name == "a stock that stiffens"
 
 
 def test_only_words_of_the_library_are_named():

@@ -5,7 +5,7 @@ import pytest
 
 from bondgraph import BondGraph, C, I, Options, R, Recording, Se, bind_to, diagnose
 from bondgraph.physics.dynamics import Lag
-from bondgraph.physics.leakage import Leak
+from bondgraph.physics.leakage import Leak, Slip
 from bondgraph.physics.orifice import SquareLaw
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
@@ -40,7 +40,8 @@ def proposed(graph):
     return [
         hypothesis
         for place in all_places(graph, Scales())
-        for hypothesis in Leak().propose(place)
+        for physics in (Leak(), Slip())
+        for hypothesis in physics.propose(place)
         if place.name == "capacitor"
     ]
 

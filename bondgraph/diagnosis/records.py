@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from bondgraph.diagnosis.experiment.records import Experiment
 from bondgraph.fitting.result import Estimate, FitResult, Score
-from bondgraph.physics.names import name_of
+from bondgraph.physics.names import name_of, name_with
 from bondgraph.structure.graph import FinishedGraph
 
 SCHEMA = 1
@@ -105,8 +105,9 @@ class Finding:
 
     @property
     def name(self) -> str:
-        """How a sentence calls the physics."""
-        return name_of(self.physics, self.domain)
+        """How a sentence calls the physics, as its numbers have it."""
+        numbers = {estimate.name: estimate.value for estimate in self.estimates}
+        return name_with(numbers, self.physics, self.domain)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -144,12 +144,17 @@ class Saturation(AbstractPhysics):
         return self.hypothesis(place, edit, law, own, words)
 
     def _of_rate(self, place: InputPlace) -> Hypothesis:
-        """Return a state that follows the input within a sample, but no faster."""
+        """Return a state that follows the input within a sample, but no faster.
+
+        In all of a recording it comes to the peak at least: one that hardly moves is
+        whatever constant it begins from.
+        """
         peak, step = place.peak, place.scales.step
+        slowest = peak / place.scales.stretch
         times = (3.0, 10.0, 30.0, 100.0, 300.0)
-        rates = tuple(peak / (n * step) for n in times)
+        rates = tuple(max(peak / (n * step), 2.0 * slowest) for n in times)
         unit = f"({place.channel_unit})/(s)"
-        rate = place.shape("rate_limit", unit, rates, low=0.01 * rates[-1])
+        rate = place.shape("rate_limit", unit, rates, low=slowest)
         within = place.constant("rate_settling", "s", 0.5 * step)
         name = place.name_of("slewed")
         behind = (place.signal - displacement(name)) / within.symbol

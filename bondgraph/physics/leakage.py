@@ -48,7 +48,7 @@ class Leak(AbstractPhysics):
         """
         if isinstance(place, StockPair) and self.suits(place):
             yield self._between(place)
-        if isinstance(place, ElementPlace) and place.domain in Leak.domains:
+        if isinstance(place, ElementPlace) and self.suits(place):
             yield from self._past_a_store(place)
         if not isinstance(place, ZeroJunctionPlace) or not self.suits(place):
             return
@@ -68,6 +68,8 @@ class Leak(AbstractPhysics):
         (junction, *others) = place.junctions
         store = isinstance(place.element, Compliance)
         if not store or others or not _amid_a_loop(place.graph, junction):
+            return
+        if place.domain in MOTION:
             return
         some = 0.2 * place.flow / place.effort
         g = place.strength("leak", place.unit(F, E), (0.0, some), low=0.0)

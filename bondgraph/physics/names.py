@@ -1,5 +1,7 @@
 """How a sentence calls a piece of physics, in the words of the domain it is in."""
 
+from collections.abc import Mapping
+
 from bondgraph.structure.domains import ELECTRICAL, HYDRAULIC, THERMAL
 
 NAMES = {
@@ -61,3 +63,10 @@ def name_of(physics: str, domain: str = "") -> str:
     """Return how a sentence calls `physics` in the domain of that name."""
     usual = NAMES.get(physics, physics.replace("_", " "))
     return ELSEWHERE.get(domain, {}).get(physics, usual)
+
+
+def name_with(numbers: Mapping[str, float], physics: str, domain: str = "") -> str:
+    """Return the same where the sign of one of its numbers makes it another thing."""
+    name = name_of(physics, domain)
+    softens = any(n.startswith("cubic") and x < 0.0 for n, x in numbers.items())
+    return SOFTER.get(name, name) if softens else name

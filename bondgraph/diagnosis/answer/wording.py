@@ -9,7 +9,7 @@ from bondgraph.diagnosis.records import Finding
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.result import Estimate
 from bondgraph.physics.hypothesis import Hypothesis
-from bondgraph.physics.names import SOFTER
+from bondgraph.physics.names import name_with
 from bondgraph.structure.domains import ROTATION, TRANSLATION
 from bondgraph.structure.mirror import mirror_images
 from bondgraph.structure.units import plain_unit
@@ -72,7 +72,8 @@ def finding_statement(
         )
         numbers = ""
     else:
-        name = _form_of(chosen, estimates)
+        values = {estimate.name: estimate.value for estimate in estimates}
+        name = name_with(values, chosen.physics, chosen.domain)
         opening = f"{_capital(name)} {_where(hypothesis)} {SURE}: {hypothesis.words}"
     text = f"{opening} ({numbers})." if numbers else f"{opening.rstrip('.')}."
     if places:
@@ -92,12 +93,6 @@ def _where(hypothesis: Hypothesis) -> str:
     if hypothesis.other_end:
         return f"between {hypothesis.place} and {hypothesis.other_end}"
     return f"at {hypothesis.place}"
-
-
-def _form_of(chosen: Judged, estimates: Sequence[Estimate]) -> str:
-    """Return the name of a law of which the sign of a number makes another thing."""
-    softens = any(e.name.startswith("cubic") and e.value < 0.0 for e in estimates)
-    return SOFTER.get(chosen.name, chosen.name) if softens else chosen.name
 
 
 def hedged(statement: str) -> str:

@@ -47,6 +47,9 @@ curve follows what dry friction of a real machine leaves, too. That costs its dr
 and none that leaves more than the first with few knots comes down to it with many.
 """
 
+ROWS = 10
+"""Samples for each number of a curve: few are followed by any curve, noise and all."""
+
 STILL_MORE, AS_MUCH = 2.0, 0.5
 """Where the first law was so, others only mend its shape: a second that still leaves so
 many times what the curve does, for two laws that are both there leave less than any one
@@ -177,7 +180,14 @@ def drawn_beside(
     """
     before = left_out_errors(first.base, chosen.errors.chunks.size)
     bench = Bench.of(first.base, shop, "round 1")
+    worth = [one for one in worth if _has_rows(one)]
     return drawn_as_near(bench, chosen, worth, before)
+
+
+def _has_rows(judged: Judged) -> bool:
+    """Return whether there are samples enough for as many numbers as a curve has."""
+    samples = len(judged.candidate.fitted.residuals())
+    return samples >= ROWS * judged.candidate.complexity
 
 
 def _within_reach(curve: Judged, floor: Array) -> bool:
@@ -200,6 +210,7 @@ def _curves_beside(rounds: Sequence[Round]) -> list[BetterCurve]:
         if judged.physics == CURVE
         and judged.support is Support.SUPPORTED
         and judged.place in places
+        and _has_rows(judged)
     ]
     curves.sort(key=lambda one: float(one[1].errors.chunks.sum()))
     dealt = {judged.errors.chunks.size: judged for _, judged in curves}
