@@ -102,6 +102,21 @@ def test_what_a_promising_law_contains_is_fitted_whatever_it_promises():
     assert promising([drag, spring], Options()) == []
 
 
+def test_where_a_lag_promises_much_a_delay_of_the_same_signal_is_fitted_too():
+    def promised(word, place, reduction):
+        law = SimpleNamespace(
+            physics=word,
+            place=place,
+            contains=lambda _: False,
+            is_elsewhere=lambda _: False,
+        )
+        return SimpleNamespace(hypothesis=law, reduction=reduction)
+
+    lag, delay = promised("lag", "encoder", 0.6), promised("delay", "encoder", 0.0)
+    others = [promised("delay", "voltage", 0.0), promised("slip", "encoder", 0.0)]
+    assert promising([lag, delay, *others], Options()) == [lag, delay]
+
+
 def test_what_promises_much_at_one_place_is_fitted_at_others_too():
     def promised(place, reduction, numbers=("size",)):
         law = SimpleNamespace(

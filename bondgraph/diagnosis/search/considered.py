@@ -19,7 +19,7 @@ from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.trials.worth import fault_of
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.contact import Backlash
-from bondgraph.physics.dynamics import Delay
+from bondgraph.physics.dynamics import Delay, Lag
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.relaxation import StoreBehind
 from bondgraph.recordings.binding import BoundRecording
@@ -33,6 +33,9 @@ NEARLY = 0.25
 
 SPARE = 2
 """Samples that a law wants for each of its numbers, beside those of the model."""
+
+LATE = (Lag.word, Delay.word)
+"""A lag in one stage or two, and a delay: of a long one the lag promises more."""
 
 TWICE = 2
 """So many stores behind resistances of their own may be found at a place."""
@@ -171,7 +174,7 @@ def promising(promised: Sequence[Promised], options: Options) -> list[Promised]:
 
     And what the best of them contain: a wider law may promise what the narrower one is,
     backlash without a gap what a spring does. And they themselves at other places where
-    they promise nearly as much.
+    they promise nearly as much, and the other forms in which a signal comes late.
     """
     worth = options.rule.materiality / 4
     leading = [one for one in promised if one.reduction >= worth][: options.fitted]
@@ -183,6 +186,7 @@ def promising(promised: Sequence[Promised], options: Options) -> list[Promised]:
         if id(one) not in known
         and any(
             led.hypothesis.contains(one.hypothesis)
+            or _make_one_late(led.hypothesis, one.hypothesis)
             or (
                 one.reduction >= NEARLY * led.reduction
                 and one.hypothesis.is_elsewhere(led.hypothesis)
@@ -191,3 +195,8 @@ def promising(promised: Sequence[Promised], options: Options) -> list[Promised]:
         )
     )
     return [*leading, *others]
+
+
+def _make_one_late(law: Hypothesis, other: Hypothesis) -> bool:
+    """Return whether both make the same signal late."""
+    return law.physics in LATE and other.physics in LATE and law.place == other.place

@@ -14,7 +14,6 @@ from dataclasses import replace
 from operator import attrgetter
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate, best_of_each
-from bondgraph.diagnosis.search.laws.late_forms import other_forms
 from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, fit_fully
 from bondgraph.diagnosis.search.trials.vanished import begun_again
@@ -59,7 +58,6 @@ def related(
     ][:WIDER]
     there = Start.where_ended(leading.fitted)
     trials += [Trial(hypothesis, (there,)) for hypothesis in wider]
-    trials += other_forms(candidates, hypotheses)
     trials += begun_again(candidates)
     if not trials:
         return candidates
