@@ -96,7 +96,7 @@ def agree(one: sympy.Expr, other: sympy.Expr) -> bool:
     symbols = one.free_symbols | other.free_symbols
     for seed in range(3):
         put = somewhere(symbols, seed)
-        a, b = (complex(x.subs(put)) for x in (one, other))
+        a, b = (complex(sympy.sympify(x.xreplace(put))) for x in (one, other))
         if abs(a - b) > 1e-9 * max(1.0, abs(a), abs(b)):
             return False
     return True

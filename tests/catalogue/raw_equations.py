@@ -7,7 +7,7 @@ Newton's method; nothing of causality, sorting or elimination is shared with the
 library.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -25,6 +25,8 @@ from bondgraph.structure.signals import (
 )
 
 SMALL = 1e-7
+
+_Function = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass
@@ -210,7 +212,7 @@ class Raw:
         follow[t] = sympy.S.One
         constraints = [g.xreplace(dict(numbers)) for g in self.constraints]
         derivatives = [
-            sympy.Add(*(g.diff(x) * follow[x] for x in g.free_symbols if x in follow))
+            sympy.Add(*(slope * follow[x] for x, slope in _slopes(g, follow).items()))
             for g in constraints
         ]
         unknowns = [*ports, *(self.stored[n] for n in free), *rates.values()]
@@ -224,27 +226,12 @@ class Raw:
         numbers = {x: value for x, value in put.items() if x in named}
         unknowns, equations = self.system(free, numbers)
         equations = [_without_kinks(g.xreplace(put)) for g in equations]
-        place = {x: j for j, x in enumerate(unknowns)}
-        entries = [
-            (i, j, _without_kinks(g.diff(unknowns[j])))
-            for i, g in enumerate(equations)
-            for j in sorted(place[x] for x in g.free_symbols)
-        ]
-        values = sympy.lambdify([unknowns], equations, "numpy")
-        slopes = sympy.lambdify([unknowns], [x for _, _, x in entries], "numpy")
-        rows, columns = (np.array([e[k] for e in entries]) for k in (0, 1))
-        shape = (len(equations), len(unknowns))
-
-        def jacobian(w: np.ndarray) -> np.ndarray:
-            matrix = np.zeros(shape)
-            matrix[rows, columns] = slopes(w)
-            return matrix
-
+        values, jacobian = _as_functions(equations, unknowns)
         wanted = len(unknowns) - 2 * len(self.efforts)
         w = np.zeros(len(unknowns))
         w[:wanted] = start
         for _ in range(40):
-            left = np.array(values(w), float)
+            left = values(w)
             if np.max(np.abs(left)) < 1e-12 * (1 + np.max(np.abs(w))):
                 break
             w = w - np.linalg.lstsq(jacobian(w), left, rcond=None)[0]
@@ -269,11 +256,65 @@ class Raw:
         rows = [*self.constraints, *(self.stored_rates[n] for n in names)]
         matrix = np.zeros((len(rows), len(columns)), complex)
         for i, row in enumerate(rows):
-            for x in row.free_symbols & place.keys():
-                matrix[i, place[x]] = float(row.diff(x).xreplace(put))
+            for x, slope in _slopes(row.xreplace(put), place).items():
+                matrix[i, place[x]] = float(slope)
         for k, n in enumerate(names):
             matrix[len(self.constraints) + k, place[self.stored[n]]] -= s
         return bool(np.linalg.cond(matrix) < 1e11)
+
+
+def _as_functions(
+    equations: list[sympy.Expr], unknowns: list[sympy.Symbol]
+) -> tuple[_Function, _Function]:
+    """Return the values of the equations and their Jacobian, as functions of numbers.
+
+    Text is made and compiled of what is curved alone; most rows are balances.
+    """
+    place = {x: j for j, x in enumerate(unknowns)}
+    fixed, offset = np.zeros((len(equations), len(unknowns))), np.zeros(len(equations))
+    curved, entries = [], []
+    for i, g in enumerate(equations):
+        if _is_straight(g):
+            offset[i] = g.as_coefficients_dict().get(sympy.S.One, 0)
+        else:
+            curved.append(i)
+        for x, exact in _slopes(g, g.free_symbols).items():
+            slope = _without_kinks(exact)
+            if slope.is_number:
+                fixed[i, place[x]] = slope
+            else:
+                entries.append((i, place[x], slope))
+    read = sympy.lambdify([unknowns], [equations[i] for i in curved], "numpy")
+    slopes = sympy.lambdify([unknowns], [slope for _, _, slope in entries], "numpy")
+    rows, columns = ([entry[k] for entry in entries] for k in (0, 1))
+
+    def values(w: np.ndarray) -> np.ndarray:
+        left = fixed @ w + offset
+        left[curved] = read(w)
+        return left
+
+    def jacobian(w: np.ndarray) -> np.ndarray:
+        matrix = fixed.copy()
+        matrix[rows, columns] = slopes(w)
+        return matrix
+
+    return values, jacobian
+
+
+def _slopes(
+    expression: sympy.Expr, of: Container[sympy.Symbol]
+) -> dict[sympy.Symbol, sympy.Expr]:
+    """Return the derivatives of `expression` by its symbols in `of`."""
+    if _is_straight(expression):
+        terms = expression.as_coefficients_dict()
+        return {x: factor for x, factor in terms.items() if x in of}
+    return {x: expression.diff(x) for x in expression.free_symbols if x in of}
+
+
+def _is_straight(expression: sympy.Expr) -> bool:
+    """Return whether `expression` is a sum of symbols times numbers, and a number."""
+    terms = expression.as_coefficients_dict()
+    return all(x.is_Symbol or x is sympy.S.One for x in terms)
 
 
 def _without_kinks(expression: sympy.Expr) -> sympy.Expr:
