@@ -99,10 +99,27 @@ def _interpolation(
     ]
     bends = pairwise((sympy.S.Zero, *slopes, sympy.S.Zero))
     kinks = (
-        sympy.Mul(after - before, sympy.Abs(x - knot), sympy.S.Half)
+        sympy.Mul(after - before, _distance(x, knot), sympy.S.Half)
         for knot, (before, after) in zip(knots, bends, strict=True)
     )
     return sympy.Add((values[0] + values[-1]) / 2, *kinks)
+
+
+def _distance(x: sympy.Expr, knot: float) -> sympy.Expr:
+    """Return ``|x - knot|``, which sympy is not asked to simplify in vain.
+
+    It looks for a sign, and for long. A quotient of real symbols has none where theirs
+    are unknown, and no number beside it gives it one.
+    """
+    difference = x - knot
+    powers = x.as_powers_dict().items()
+    real = all(base.is_Symbol and base.is_real and n.is_Integer for base, n in powers)
+    unsigned = real and x.is_nonnegative is None and x.is_nonpositive is None
+    if not (unsigned and difference.is_Add):
+        return sympy.Abs(difference)
+    # Of a difference and its opposite, of the same distance, sympy keeps this one.
+    turned = difference.could_extract_minus_sign()
+    return sympy.Abs(-difference if turned else difference, evaluate=False)
 
 
 def _spline(
@@ -122,5 +139,5 @@ def _spline(
         terms = zip(sizes[row], heights, strict=True)
         return sympy.Add(*(float(share) * height.symbol for share, height in terms))
 
-    bends = (size(i) * sympy.Abs(x - knot) ** 3 for i, knot in enumerate(knots))
+    bends = (size(i) * _distance(x, knot) ** 3 for i, knot in enumerate(knots))
     return sympy.Add(size(n), size(n + 1) * x, *bends)
