@@ -73,7 +73,7 @@ def test_what_is_called_met_is_met_on_a_dense_sweep(seed):
         LEAD,
         (PhaseMargin(50.0), PeakSensitivity(1.6), GainMargin(2.0)),
         crossover=(0.5, 60.0),
-        starts=3,
+        starts=2,
     )
     if not found.met:
         assert found.reasons or found.status is SynthesisStatus.UNSTABLE
@@ -94,7 +94,7 @@ def test_most_random_plants_are_served():
     for seed in range(12):
         loop = Loop(plant=random_plant(seed) * ZeroPoleGain(poles=(-80.0,), gain=80.0))
         found = optimise_controller(
-            loop, LEAD, (PhaseMargin(40.0),), crossover=(0.5, 60.0), starts=3
+            loop, LEAD, (PhaseMargin(40.0),), crossover=(0.5, 60.0), starts=1
         )
         met += found.met
     assert met >= 9
@@ -137,9 +137,11 @@ def test_same_seed_gives_the_same_answer():
 
 def test_more_freedom_is_never_slower():
     limits = (PhaseMargin(60.0), PeakSensitivity(1.5), PeakNoiseGain(80.0))
-    lead = optimise_controller(SERVO, LEAD, limits, crossover=(1.0, 60.0))
     more = ControllerStructure(zeros=2, poles=2, slowest=0.2, fastest=300.0)
-    double = optimise_controller(SERVO, more, limits, crossover=(1.0, 60.0))
+    lead, double = (
+        optimise_controller(SERVO, one, limits, crossover=(1.0, 60.0), starts=2)
+        for one in (LEAD, more)
+    )
     assert lead.met
     assert double.met
     assert double.value >= 0.999 * lead.value

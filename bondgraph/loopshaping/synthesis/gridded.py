@@ -110,6 +110,7 @@ class FamilyGrid:
     structure: ControllerStructure
     omega: FloatArray
     rest: ComplexArray
+    fixed: ComplexArray
     feedback: ComplexArray
     needed_turn: FloatArray
     nominal: Curve
@@ -119,14 +120,13 @@ class FamilyGrid:
         """Return all loops, the first of which has gain one at `crossover` (rad/s)."""
         zeros, poles = self.structure.roots(numbers)
         own = _logarithm(zeros, poles, self.omega)
-        gain = math.log(abs(self.gain(crossover, numbers)))
+        gain = math.log(abs(self._leading(crossover, zeros, poles)))
         total = self.rest + (own + gain)[None, :]
-        fixed = self.structure.fixed.response(self.omega)
         return GriddedLoops(
             omega=self.omega,
             size=total.real,
             phase=total.imag,
-            controller=np.exp(own + gain) * fixed,
+            controller=np.exp(own + gain) * self.fixed,
             feedback=self.feedback,
             loop=np.exp(np.clip(total.real, -200, 200) + 1j * total.imag),
             needed_turn=self.needed_turn,
@@ -134,7 +134,11 @@ class FamilyGrid:
 
     def gain(self, crossover: float, numbers: FloatArray) -> float:
         """Return the controller's leading gain for that crossover, with its sign."""
-        zeros, poles = self.structure.roots(numbers)
+        return self._leading(crossover, *self.structure.roots(numbers))
+
+    def _leading(
+        self, crossover: float, zeros: ComplexArray, poles: ComplexArray
+    ) -> float:
         here = np.array([crossover])
         size = self.nominal.logarithm(here)[0].real
         own = _logarithm(zeros, poles, here)[0].real
@@ -167,6 +171,7 @@ def family_grid(
         structure=structure,
         omega=omega,
         rest=rest,
+        fixed=structure.fixed.response(omega),
         feedback=np.array([one.feedback.response(omega) for one in loops]),
         needed_turn=np.array([_needed_turn(c, structure.integrators) for c in curves]),
         nominal=curves[0],

@@ -91,8 +91,7 @@ class Search:
 
     def merit(self, x: FloatArray) -> float:
         """Return the objective plus the penalty."""
-        cost, rows = self.costs(x)
-        return cost + PENALTY * max(0.0, float(rows.max()))
+        return _merit(*self.costs(x))
 
     def starts(self, generator: np.random.Generator, count: int) -> list[FloatArray]:
         """Return the `count` best of random controllers, no two alike."""
@@ -111,15 +110,15 @@ class Search:
     def best(self, start: FloatArray) -> FloatArray:
         """Return a local solution near `start`."""
         x, reach = start, _WIDE
-        merit = self.merit(x)
+        here = self.costs(x)
         for _ in range(_STEPS):
-            step, expected = self._step(x, merit, reach)
+            step, expected = self._step(x, *here, reach)
             if expected < _SETTLED:
                 break
-            new = self.merit(x + step)
-            gained = merit - new
+            there = self.costs(x + step)
+            gained = _merit(*here) - _merit(*there)
             if gained > 0:
-                x, merit = x + step, new
+                x, here = x + step, there
             if gained > 0.75 * expected:
                 reach = min(2 * reach, _WIDEST)
             elif gained < 0.25 * expected:
@@ -129,13 +128,13 @@ class Search:
         return x
 
     def _step(
-        self, x: FloatArray, merit: float, reach: float
+        self, x: FloatArray, cost: float, rows: FloatArray, reach: float
     ) -> tuple[FloatArray, float]:
         """Return the step of the linear programme, and what it gains if all is linear.
 
-        Unknowns are the step and the largest excess t ≥ 0.
+        It starts at x, where the costs are `cost` and `rows`. Unknowns are the step and
+        the largest excess t ≥ 0.
         """
-        cost, rows = self.costs(x)
         chosen = _peaks(rows)
         here = rows[chosen]
         low, high = np.array(self.bounds).T
@@ -162,7 +161,12 @@ class Search:
             found.status != 0 or found.x is None or found.fun is None
         ):  # slopes across a jump; a smaller region will do
             return np.zeros(len(x)), math.inf
-        return np.asarray(found.x[:-1]), merit - cost - float(found.fun)
+        return np.asarray(found.x[:-1]), _merit(cost, rows) - cost - float(found.fun)
+
+
+def _merit(cost: float, rows: FloatArray) -> float:
+    """Return the objective plus the penalty."""
+    return cost + PENALTY * max(0.0, float(rows.max()))
 
 
 def _peaks(rows: FloatArray) -> tuple[IntArray, IntArray]:
