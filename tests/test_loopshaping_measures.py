@@ -21,7 +21,7 @@ from bondgraph.loopshaping.zero_pole_gain import ZeroPoleGain
 from bondgraph.numeric.state_space import state_space
 from bondgraph.structure.signals import parameter_symbol
 
-PLANTS = 200
+PLANTS = 100
 
 
 def roots(generator, count, right):
