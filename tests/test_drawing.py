@@ -29,7 +29,10 @@ from bondgraph.reporting.drawing import (
     draw_png,
     draw_svg,
 )
+from bondgraph.reporting.layout import placing
 from bondgraph.reporting.layout.boxes import Layout, text_width
+from bondgraph.reporting.layout.grid import Grid, grid_of
+from bondgraph.reporting.layout.skeleton import Skeleton
 from bondgraph.reporting.picture.canvas import Content, Picture
 from bondgraph.reporting.picture.causal_marks import CausalMarks
 from bondgraph.reporting.picture.numbering import bond_numbers
@@ -228,9 +231,28 @@ EVERY.update({case.name: case.graph() for case in CASES})
 every_graph = pytest.mark.parametrize("name", EVERY)
 
 
-@cache
+GRIDS: dict[FinishedGraph, Grid] = {}
+
+
+def grid_made_once(graph: FinishedGraph, skeleton: Skeleton) -> Grid:
+    if graph not in GRIDS:
+        GRIDS[graph] = grid_of(graph, skeleton)
+    return GRIDS[graph]
+
+
+@pytest.fixture(autouse=True)
+def one_grid_a_graph(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Put every graph on its grid once: no label or mark changes anything there."""
+    monkeypatch.setattr(placing, "grid_of", grid_made_once)
+
+
 def laid_out(name: str, labels: BondLabels = BondLabels.NUMBERS) -> Picture:
     """Return a picture with everything on it that can get into the way."""
+    return _laid_out(name, labels)
+
+
+@cache
+def _laid_out(name: str, labels: BondLabels) -> Picture:
     content = Content(
         causality=CausalMarks(),
         colouring=None,
@@ -241,8 +263,12 @@ def laid_out(name: str, labels: BondLabels = BondLabels.NUMBERS) -> Picture:
     return Picture(EVERY[name], content)
 
 
-@cache
 def svg_of(name: str, labels: BondLabels = BondLabels.NUMBERS) -> str:
+    return _svg_of(name, labels)
+
+
+@cache
+def _svg_of(name: str, labels: BondLabels) -> str:
     return laid_out(name, labels).svg(Theme.AUTO)
 
 
@@ -391,7 +417,7 @@ def test_half_arrows_point_from_tail_to_head_with_the_barb_on_the_flow_side(
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_strokes_are_at_the_end_that_receives_effort(case) -> None:
-    graph = case.graph()
+    graph = EVERY[case.name]
     assignment = assign_causality(graph)
     drawn = groups(draw_svg(graph, assignment=assignment), "bond")
     for stroke in assignment.strokes:
@@ -462,7 +488,10 @@ def test_bonds_side_by_side_do_not_hide_each_other() -> None:
 
 
 @pytest.mark.parametrize("name", ["mesh 3 x 4", "hydraulic cylinder", "random 3"])
-def test_the_same_graph_has_the_same_picture(name: str) -> None:
+def test_the_same_graph_has_the_same_picture(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(placing, "grid_of", grid_of)
     again = draw_svg(EVERY[name], labels="numbers", signals=True)
     assert again == svg_of(name)
 

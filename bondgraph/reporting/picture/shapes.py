@@ -8,6 +8,7 @@ from bondgraph.reporting.layout.boxes import Box, Point
 
 Shape = tuple[Point, ...]
 _CELL = 90.0
+_Reach = tuple[float, float, float, float]
 
 
 def rectangle(centre: Point, width: float, height: float, angle: float = 0.0) -> Shape:
@@ -61,24 +62,44 @@ class Crowd:
 
     def __init__(self, shapes: Sequence[Shape] = ()) -> None:
         self.shapes: list[Shape] = []
-        self._cells: defaultdict[tuple[int, int], list[Shape]] = defaultdict(list)
+        self._reaches: list[_Reach] = []
+        self._cells: defaultdict[tuple[int, int], list[int]] = defaultdict(list)
         for shape in shapes:
             self.add(shape)
 
     def add(self, shape: Shape) -> None:
         """Add a shape."""
+        reach = _reach(shape)
+        for cell in _cells(reach):
+            self._cells[cell].append(len(self.shapes))
         self.shapes.append(shape)
-        for cell in _cells(shape):
-            self._cells[cell].append(shape)
+        self._reaches.append(reach)
 
     def touches(self, shape: Shape) -> int:
         """Return how many of the shapes `shape` touches."""
-        near = {id(o): o for cell in _cells(shape) for o in self._cells.get(cell, ())}
-        return sum(touch(shape, other) for other in near.values())
+        reach = _reach(shape)
+        near = {k for cell in _cells(reach) for k in self._cells.get(cell, ())}
+        return sum(
+            touch(shape, self.shapes[k])
+            for k in near
+            if not _apart(reach, self._reaches[k])
+        )
 
 
-def _cells(shape: Shape) -> Iterator[tuple[int, int]]:
-    xs, ys = [x for x, _ in shape], [y for _, y in shape]
-    for i in range(int(min(xs) // _CELL), int(max(xs) // _CELL) + 1):
-        for j in range(int(min(ys) // _CELL), int(max(ys) // _CELL) + 1):
+def _reach(shape: Shape) -> _Reach:
+    """Return the least and the greatest x and y."""
+    xs, ys = zip(*shape, strict=True)
+    return min(xs), max(xs), min(ys), max(ys)
+
+
+def _apart(one: _Reach, other: _Reach) -> bool:
+    """Return whether an upright or a level line lies between."""
+    left, right, top, bottom = one
+    return right < other[0] or other[1] < left or bottom < other[2] or other[3] < top
+
+
+def _cells(reach: _Reach) -> Iterator[tuple[int, int]]:
+    left, right, top, bottom = reach
+    for i in range(int(left // _CELL), int(right // _CELL) + 1):
+        for j in range(int(top // _CELL), int(bottom // _CELL) + 1):
             yield i, j
