@@ -10,6 +10,7 @@ repository; needs matplotlib. FOLDER is that of ``make`` and ``run``.
 
 import sys
 from pathlib import Path
+from textwrap import wrap
 
 import matplotlib as mpl
 
@@ -61,6 +62,7 @@ def found_and_concealed(axes: Axes, told: list[Telling]) -> None:
                           mec=INK, mew=1.2)  # fmt: skip
         beside = ", ".join(said.replace("_", " ") for said in one.beside)
         said = one.verdict.replace("_", " ") + (f"; also {beside}" if beside else "")
+        said = "\n".join(wrap(said, 46))
         axes.text(len(PIECES) - 0.45, row, said, va="center", fontsize=8, color=INK)
     axes.set_xticks(range(len(PIECES)), PIECES.values(), fontsize=8)
     axes.xaxis.tick_top()
