@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import MECHANICAL, E, F, Place
+from bondgraph.physics.places.base import MECHANICAL, Coefficient, E, F, Place
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import OneJunctionPlace
 from bondgraph.structure.domains import ELECTRICAL, HYDRAULIC, THERMAL
@@ -22,8 +22,8 @@ LEAST = 1e-3
 class OneWayPassage(AbstractPhysics):
     """A resistance that is larger backwards, without end in a check valve or a diode.
 
-    Heat passes so where it is convected: it rises, and hardly sinks. Ahead nothing may
-    flow below a pressure that opens it, or a forward voltage. Beside
+    Ahead nothing may flow below a pressure that opens it, or a forward voltage. Heat
+    has none: it passes so where it is convected, for it rises and hardly sinks. Beside
     an inertance (a coil, a column of liquid) the flow goes on by itself: there it is an
     effort that holds back what would return.
     """
@@ -49,7 +49,10 @@ class OneWayPassage(AbstractPhysics):
         if law is None:
             return
         for ahead in (True, False):
-            yield self._one_way(place, law, ahead=ahead)
+            if place.domain != THERMAL:
+                yield self._one_way(place, law, ahead=ahead)
+            elif place.scales.reverses(f"{F}({place.junctions[0]})"):
+                yield self._easier_one_way(place, law, ahead=ahead)
 
     def _beside_an_inertance(self, place: OneJunctionPlace) -> Iterator[Hypothesis]:
         """Yield it for each way in which the flow goes; back of it, less does."""
@@ -78,23 +81,49 @@ class OneWayPassage(AbstractPhysics):
         self, place: ElementPlace, usual: sympy.Expr, *, ahead: bool
     ) -> Hypothesis:
         """Return it with the flow, as the bonds point, ahead or back."""
-        way = "" if ahead else "back_"
-        shares = (0.0, 1.0, 1.0)
-        less = place.strength(f"{way}one_way", "1", shares, low=0.0, high=1.0)
+        less = self._less(place, (0.0, 1.0, 1.0), ahead=ahead)
         opens = (0.0, 0.0, 0.1 * place.effort)
+        way = "" if ahead else "back_"
         crack = place.strength(f"{way}opening", place.unit(E), opens, low=0.0)
         along, against = sympy.Max(e - crack.symbol, 0), sympy.Min(e, 0)
         if not ahead:
             along, against = sympy.Min(e + crack.symbol, 0), sympy.Max(e, 0)
         law = usual.xreplace({e: along + (1 - less.symbol) * against})
         words = (
-            f"{place.name} passes less {'back' if ahead else 'ahead'} than "
-            f"{'ahead' if ahead else 'back'} by a share (one_way), and there only "
-            f"beyond {place.a(E)} that opens it"
+            f"{_passes_less(place, ahead=ahead)}, and there only beyond "
+            f"{place.a(E)} that opens it"
         )
         edit = place.replace(law, less, crack)
         own = (less, crack)
         return self.hypothesis(place, edit, law, own, words, also=place.junctions)
+
+    def _easier_one_way(
+        self, place: ElementPlace, usual: sympy.Expr, *, ahead: bool
+    ) -> Hypothesis:
+        """Return it without an effort that opens it, where the flow goes both ways."""
+        less = self._less(place, SHARES, ahead=ahead)
+        along, against = sympy.Max(e, 0), sympy.Min(e, 0)
+        if not ahead:
+            along, against = against, along
+        law = usual.xreplace({e: along + (1 - less.symbol) * against})
+        words = _passes_less(place, ahead=ahead)
+        edit = place.replace(law, less)
+        return self.hypothesis(place, edit, law, (less,), words, also=place.junctions)
+
+    def _less(
+        self, place: ElementPlace, shares: tuple[float, ...], *, ahead: bool
+    ) -> Coefficient:
+        """Return the share that does not pass against the way."""
+        stem = "one_way" if ahead else "back_one_way"
+        return place.strength(stem, "1", shares, low=0.0, high=1.0)
+
+
+def _passes_less(place: ElementPlace, *, ahead: bool) -> str:
+    """Return in words which way less passes."""
+    return (
+        f"{place.name} passes less {'back' if ahead else 'ahead'} than "
+        f"{'ahead' if ahead else 'back'} by a share (one_way)"
+    )
 
 
 class DirectionDependentDamping(AbstractPhysics):
