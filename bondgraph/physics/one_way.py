@@ -72,7 +72,7 @@ class OneWayPassage(AbstractPhysics):
             element = Resistance(place.name_of(f"{way}check"), law=law)
             words = (
                 f"{place.name} passes less {'ahead' if way else 'back'} than "
-                f"{'back' if way else 'ahead'} by a share (one_way), and nothing at 1"
+                f"{'back' if way else 'ahead'} by the share one_way, and nothing at 1"
             )
             edit = place.insert(element, ratio, less)
             yield self.hypothesis(place, edit, law, (less,), words)
@@ -122,7 +122,7 @@ def _passes_less(place: ElementPlace, *, ahead: bool) -> str:
     """Return in words which way less passes."""
     return (
         f"{place.name} passes less {'back' if ahead else 'ahead'} than "
-        f"{'ahead' if ahead else 'back'} by a share (one_way)"
+        f"{'ahead' if ahead else 'back'} by the share one_way"
     )
 
 
