@@ -227,18 +227,16 @@ def slopes(model: NumericModel, at: Point) -> Slopes:
     )
 
 
-def one_sided(model: NumericModel, at: Point) -> Slopes:
-    """Return partial derivatives that at a kink are those of one of its sides.
+def one_sided(model: NumericModel, at: Point, width: int | None = None) -> Matrix:
+    """Return the slopes of (ẋ - rate, residual) along w and v, the first `width` alone.
 
-    Good enough to step towards a solution, not to say what a machine does there.
+    At a kink they are those of one of its sides: good enough to step towards a
+    solution, not to say what a machine does there.
     """
     column = _columns(model)
     ray = (column >= 0).astype(float)
-    dynamics, output = (
-        _swept(tape, at.variables, ray, column)[1]
-        for tape in (model.dynamics, model.output)
-    )
-    return _arranged(model, dynamics, output)
+    _, dynamics, _ = _swept(model.dynamics, at.variables, ray, column)
+    return _of_equations(model, dynamics, width)
 
 
 def _columns(model: NumericModel) -> Integers:
@@ -253,18 +251,37 @@ def _columns(model: NumericModel) -> Integers:
 
 
 def _arranged(model: NumericModel, dynamics: Matrix, output: Matrix) -> Slopes:
-    nx = model.n_states
-    nw = nx + model.n_unknowns
-    signs = np.concatenate([-np.ones(nx), np.ones(model.n_unknowns)])
-    signed = sparse.csr_array(sparse.diags_array(signs, shape=(nw, nw)) @ dynamics)
-    unit = sparse.diags_array(-np.minimum(signs, 0.0), shape=(nw, nw))
+    nw = model.n_states + model.n_unknowns
+    equations = _of_equations(model, dynamics)
     return Slopes(
         model=model,
-        implicit=sparse.csr_array(unit + signed[:, :nw]),
-        explicit=signed[:, nw:],
+        implicit=equations[:, :nw],
+        explicit=equations[:, nw:],
         read=output[:, :nw],
         direct=output[:, nw:],
     )
+
+
+def _of_equations(
+    model: NumericModel, dynamics: Matrix, width: int | None = None
+) -> Matrix:
+    """Return the slopes of (ẋ - rate, residual) from those of (rate, residual)."""
+    height, every = dynamics.shape
+    width = every if width is None else width
+    rows = np.repeat(np.arange(height), np.diff(dynamics.indptr))
+    within = dynamics.indices < width
+    rows, columns = rows[within], dynamics.indices[within]
+    steep = dynamics.data[within]
+    own = np.arange(model.n_states)
+    signed = np.where(rows < model.n_states, -steep, steep)
+    # What is given twice for one place, as a rate that its own law reads, is added.
+    entries = (
+        np.append(np.ones(len(own)), signed),
+        (np.append(own, rows), np.append(own, columns)),
+    )
+    matrix = sparse.csr_array(entries, shape=(height, width))
+    matrix.eliminate_zeros()
+    return matrix
 
 
 def settled(model: NumericModel, start: Point) -> Point:
@@ -285,7 +302,7 @@ def settled(model: NumericModel, start: Point) -> Point:
     for _ in range(ITERATIONS):
         if not model.n_unknowns:
             return replace(here, rates=w - r)
-        step = factored(one_sided(model, here).implicit, model).solve(r)
+        step = factored(one_sided(model, here, len(w)), model).solve(r)
         for halving in range(30):
             new = w - step * 0.5**halving
             trial = replace(here, rates=new[:nx], unknowns=new[nx:])

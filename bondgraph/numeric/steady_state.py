@@ -7,6 +7,7 @@ states that nothing reads back. What is left over is said: which rate stays.
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,7 @@ from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.signals import canonical
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 Value = object
 """A number, or an expression of parameters (also as text)."""
 
@@ -122,7 +124,7 @@ def _refuse_unknown(model: str, given: Iterable[str], known: list[str]) -> None:
             )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False)
 class _Search:
     """One numeric search: which variables move, and the equations to meet."""
 
@@ -189,7 +191,7 @@ class _Search:
         row = int(worst.argmax())
         return row, float(left[row])
 
-    @property
+    @cached_property
     def _loose(self) -> tuple[str, ...]:
         rates = {state.rate for state in self.equations.states}
         late = [*self.equations.rates, *self.equations.residuals]
@@ -203,7 +205,8 @@ class _Search:
             if s.symbol.name in free and s.rate not in read
         )
 
-    def _columns(self) -> list[Array]:
+    @cached_property
+    def _columns(self) -> list[Integers]:
         """Return the indices of x, of u and of ẋ that move."""
         loose, held = set(self._loose), self.held
         names = self.model.state_names
@@ -213,11 +216,11 @@ class _Search:
         return [np.array(part, dtype=np.int64) for part in (x, u, rates)]
 
     def _moving(self, at: Point) -> Array:
-        x, u, rates = self._columns()
+        x, u, rates = self._columns
         return np.concatenate([at.x[x], at.unknowns, at.u[u], at.rates[rates]])
 
     def _point(self, y: Array) -> Point:
-        x, u, rates = self._columns()
+        x, u, rates = self._columns
         values = np.split(y, np.cumsum([len(x), self.model.n_unknowns, len(u)]))
         new_x, new_u = self.start.x.copy(), self.start.u.copy()
         new_rates = np.zeros_like(self.start.rates)
@@ -228,27 +231,19 @@ class _Search:
 
     def _jacobian(self, y: Array) -> Any:
         here = one_sided(self.model, self._point(y))
-        x, u, rates = self._columns()
-        n = self.model.n_states
-        implicit: Any = sparse.csc_array(here.implicit)
-        explicit: Any = sparse.csc_array(here.explicit)
-        return sparse.csc_array(
-            sparse.hstack(
-                [
-                    explicit[:, x],
-                    implicit[:, n:],
-                    explicit[:, n + u],
-                    implicit[:, rates],
-                ]
-            )
-        )
+        x, u, rates = self._columns
+        n, unknowns = self.model.n_states, self.model.n_unknowns
+        first = n + unknowns  # of the columns of x, which u follows
+        chosen = [first + x, n + np.arange(unknowns), first + n + u, rates]
+        return sparse.csc_array(here)[:, np.concatenate(chosen)]
 
     def _size_of_inputs(self, y: Array) -> Array:
         """Return what the known inputs and states contribute to each equation."""
         at = self._point(y)
         here = one_sided(self.model, at)
         known = np.concatenate([at.x, at.u, at.input_rates])
-        size: Array = abs(here.explicit) @ np.abs(known)
+        given = here[:, here.shape[1] - len(known) :]
+        size: Array = abs(given) @ np.abs(known)
         return size
 
     def _what_stays(self, row: int, left: float) -> str:
@@ -263,7 +258,7 @@ class _Search:
 
     def _described(self, at: Point, y: Array) -> SteadyState:
         names = self.model.state_names
-        x, u, rates = self._columns()
+        x, u, rates = self._columns
         moving = (
             [names[i] for i in x]
             + [z.name for z in self.equations.unknowns]
