@@ -318,12 +318,19 @@ def test_words_suit_the_domain():
 
 
 @pytest.mark.parametrize(
-    ("reached", "ways"), [((-3.0, 5.0), [True, False]), ((1.0, 5.0), [])]
+    ("reached", "seen", "ways"),
+    [
+        ((-3.0, 5.0), ("lower", "upper"), [True, False]),
+        ((1.0, 5.0), ("lower", "upper"), []),
+        ((-3.0, 5.0), ("lower",), []),
+    ],
+    ids=["both ways", "one way", "as far as the model says"],
 )
-def test_heat_may_pass_more_easily_one_way_where_it_goes_both_ways(reached, ways):
+def test_heat_passes_more_easily_one_way_where_it_is_seen_to_turn(reached, seen, ways):
     g = BondGraph("two rooms, one above the other", domain="thermal")
     for room in ("lower", "upper"):
         g.zero(room, C(f"{room}_air"), Sf(f"{room}_heater"))
+    for room in seen:
         g.measure(f"{room}_temperature", effort=room)
     g.one("stairs", R("opening"))
     g.join("lower", "stairs")

@@ -9,8 +9,8 @@ from bondgraph.physics.places.base import MECHANICAL, Coefficient, E, F, Place
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import OneJunctionPlace
 from bondgraph.structure.domains import ELECTRICAL, HYDRAULIC, THERMAL
-from bondgraph.structure.elements import Inertance, Resistance
-from bondgraph.structure.signals import e, f
+from bondgraph.structure.elements import EffortSource, Inertance, Resistance
+from bondgraph.structure.signals import e, effort, f
 
 SHARES = (0.0, 0.5, 0.95)
 """From none to nearly all of what would flow back: what fits begin with."""
@@ -51,7 +51,7 @@ class OneWayPassage(AbstractPhysics):
         for ahead in (True, False):
             if place.domain != THERMAL:
                 yield self._one_way(place, law, ahead=ahead)
-            elif place.scales.reverses(f"{F}({place.junctions[0]})"):
+            elif _is_seen_to_turn(place):
                 yield self._easier_one_way(place, law, ahead=ahead)
 
     def _beside_an_inertance(self, place: OneJunctionPlace) -> Iterator[Hypothesis]:
@@ -100,7 +100,7 @@ class OneWayPassage(AbstractPhysics):
     def _easier_one_way(
         self, place: ElementPlace, usual: sympy.Expr, *, ahead: bool
     ) -> Hypothesis:
-        """Return it without an effort that opens it, where the flow goes both ways."""
+        """Return it without an effort that opens it."""
         less = self._less(place, SHARES, ahead=ahead)
         along, against = sympy.Max(e, 0), sympy.Min(e, 0)
         if not ahead:
@@ -116,6 +116,27 @@ class OneWayPassage(AbstractPhysics):
         """Return the share that does not pass against the way."""
         stem = "one_way" if ahead else "back_one_way"
         return place.strength(stem, "1", shares, low=0.0, high=1.0)
+
+
+def _is_seen_to_turn(place: ElementPlace) -> bool:
+    """Return whether the flow goes both ways between efforts that are known.
+
+    Where one is not, as of a room that nobody measured, a model that lacks something
+    lets the flow turn.
+    """
+    (junction,), graph = place.junctions, place.graph
+    read = {measurement.expression for measurement in graph.measurements}
+    ends = (bond.other(junction) for bond in graph.bonds_at(junction))
+    known = all(
+        effort(end) in read
+        or any(
+            isinstance(graph.node(bond.other(end)), EffortSource)
+            for bond in graph.bonds_at(end)
+        )
+        for end in ends
+        if end != place.name
+    )
+    return known and place.scales.reverses(f"{F}({junction})")
 
 
 def _passes_less(place: ElementPlace, *, ahead: bool) -> str:
