@@ -1,5 +1,7 @@
 """Equations as LaTeX: readable names, and text that a parser of mathematics takes."""
 
+from functools import cache
+
 import pytest
 import sympy
 from catalogue import CASES, Case
@@ -37,16 +39,21 @@ def test_a_rate_has_a_dot_over_its_letter() -> None:
     assert latex(rate, {rate: state}) == r"\dot{p}_{\mathrm{I\,motor}}"
 
 
+@cache
+def parse_once(side: str) -> None:
+    """Let matplotlib's parser read it; half of the catalogue's sides come again."""
+    mathtext = pytest.importorskip("matplotlib.mathtext")
+    mathtext.MathTextParser("path").parse(f"${side}$")
+
+
 def parsed(text: str) -> None:
     """Let matplotlib's parser of TeX mathematics read every line."""
-    mathtext = pytest.importorskip("matplotlib.mathtext")
-    parser = mathtext.MathTextParser("path")
     head, *lines, tail = text.splitlines()
     assert (head, tail) == (r"\begin{aligned}", r"\end{aligned}")
     for line in lines:
         left, right = line.removesuffix(r"\\").split("&=")
         for side in (left, right):
-            parser.parse(f"${side.strip()}$")
+            parse_once(side.strip())
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
