@@ -6,6 +6,7 @@ Lagrange's method knows kinetic and potential energy. Both must accelerate alike
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import pytest
@@ -92,8 +93,10 @@ def accelerations(seen: Observed, mechanism: Mechanism) -> list[float]:
     ]
 
 
-def by_lagrange(mechanism: Mechanism, number: dict[str, float]) -> np.ndarray:
-    """Return θ'' by sympy's LagrangesMethod at the numbers of the bond graph."""
+@cache
+def lagrange(name: str) -> tuple[dict[str, Expr], sympy.Matrix, sympy.Matrix]:
+    """Return coordinates, mass matrix and forcing by sympy's LagrangesMethod."""
+    mechanism = MECHANISMS[name]
     frame, origin = ReferenceFrame("N"), Point("O")
     origin.set_vel(frame, 0)
     time = dynamicsymbols._t
@@ -114,14 +117,21 @@ def by_lagrange(mechanism: Mechanism, number: dict[str, float]) -> np.ndarray:
         potential += parameter_symbol(stiffness) * moving[c] ** 2 / 2
     method = LagrangesMethod(kinetic - potential, list(moving.values()))
     method.form_lagranges_equations()
+    return moving, method.mass_matrix, method.forcing
+
+
+def by_lagrange(name: str, number: dict[str, float]) -> np.ndarray:
+    """Return θ'' at the numbers of the bond graph."""
+    mechanism, (moving, matrix, forcing) = MECHANISMS[name], lagrange(name)
+    time = dynamicsymbols._t
     speeds = {c: _speed(c, mechanism, number) for c in mechanism.coordinates}
     at = {x.diff(time): speeds[c] for c, x in moving.items()}
-    matrix, forcing = method.mass_matrix, method.forcing
     here = {x: _position(c, number) for c, x in moving.items()}
     named = {parameter_symbol(n): v for n, v in number.items()}
 
     def numbers(m: sympy.Matrix) -> np.ndarray:
-        return np.array(m.subs(at).subs(here).subs(named).tolist(), float)
+        # A rate holds its coordinate, so rates are replaced before coordinates.
+        return np.array(m.xreplace(at).xreplace(here | named).tolist(), float)
 
     drives = np.array([number[f"drive_{c}"] for c in mechanism.coordinates])
     return np.linalg.solve(numbers(matrix), numbers(forcing).ravel() + drives)
@@ -205,7 +215,7 @@ def test_mechanisms_accelerate_as_lagrange_says(name: str) -> None:
         seen = observed(graph, values)
         number = {symbol.name: v for symbol, v in seen.at.items()}
         found = accelerations(seen, mechanism)
-        assert found == pytest.approx(by_lagrange(mechanism, number), rel=1e-8)
+        assert found == pytest.approx(by_lagrange(name, number), rel=1e-8)
 
 
 def _places(mechanism: Mechanism) -> Sequence[dict[str, float]]:
@@ -225,7 +235,8 @@ def test_a_double_pendulum_of_two_point_masses_alone() -> None:
     speeds = {c: seen.outputs[f"speed_{c}"] for c in "ab"}
     # With inertias so small that they do not matter, Lagrange's are the same.
     number |= {"ja": 0.0, "jb": 0.0}
-    turning = by_lagrange(whole, number | {f"speed_{c}": v for c, v in speeds.items()})
+    given = number | {f"speed_{c}": v for c, v in speeds.items()}
+    turning = by_lagrange("double pendulum", given)
     put = {angle(c): number[f"q_{c}"] for c in "ab"}
     put |= {parameter_symbol(n): v for n, v in number.items()}
     for mass, position in whole.masses.items():
