@@ -64,12 +64,13 @@ class Leak(AbstractPhysics):
         return self.hypothesis(place, place.insert(element, g), law, (g,), words)
 
     def _past_a_store(self, place: ElementPlace) -> Iterator[Hypothesis]:
-        """Yield it past a C that the flow of a loop goes through."""
+        """Yield it past a C that the flow of a loop goes through.
+
+        Not past a spring: what relaxes there has a law of its own.
+        """
         (junction, *others) = place.junctions
-        store = isinstance(place.element, Compliance)
+        store = isinstance(place.element, Compliance) and place.domain not in MOTION
         if not store or others or not _amid_a_loop(place.graph, junction):
-            return
-        if place.domain in MOTION:
             return
         some = 0.2 * place.flow / place.effort
         g = place.strength("leak", place.unit(F, E), (0.0, some), low=0.0)
