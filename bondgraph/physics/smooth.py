@@ -42,7 +42,8 @@ class Smooth:
     heights
         Of the first curve at its knots: where a fit starts, and the size of the curve.
     pieces
-        Into how many each stretch between two knots of the first curve is divided.
+        Into how many a stretch between two knots of the first curve is divided, in the
+        mean.
     roughness
         How much its slope wanders over the range, in heights per range: the changes of
         slope are independent and as large as their distance allows (an integrated
@@ -52,6 +53,9 @@ class Smooth:
         Whether it is the same both ways, where it goes enough of both.
     without
         Of its `LINES` those that stay zero: others in the model take them.
+    corners
+        How much more than elsewhere its slope may change at a knot, by the name of the
+        bend there; empty where it may as much at each.
     """
 
     heights: tuple[float, ...]
@@ -59,6 +63,7 @@ class Smooth:
     roughness: float
     odd: bool = False
     without: frozenset[str] = frozenset()
+    corners: tuple[tuple[str, float], ...] = ()
 
     @property
     def size(self) -> float:
@@ -117,9 +122,10 @@ def smooth_curve(
         if line.name not in smooth.without:
             terms.append(free(line, start) * curve)
     each = zip(bends, _changes(knots, rest), bent, strict=True)
+    corners, rough = dict(smooth.corners), smooth.roughness * smooth.size
     for i, (bend, change, curve) in enumerate(each):
         if i != taken:
-            symbol = free(bend, change, smooth.roughness * smooth.size)
+            symbol = free(bend, change, rough * corners.get(bend.name, 1.0))
             terms.append(symbol * curve)
     return sympy.Add(*terms), tuple(own)
 
@@ -174,10 +180,16 @@ def _edge(knots: Knots) -> float:
 
 
 def _divided(knots: Knots, pieces: int) -> Knots:
-    """Return the knots with others evenly between them."""
+    """Return the knots with others evenly between each two of them.
+
+    In the mean so many pieces; where the first are far apart more than where they are
+    close, as the square root of the distance: a curve may bend anywhere.
+    """
+    roots = np.sqrt(np.diff(knots))
+    counts = np.maximum(np.rint(pieces * roots / roots.mean()), 1).astype(int)
     between = [
-        low + (high - low) * i / pieces
-        for low, high in pairwise(knots)
-        for i in range(pieces)
+        low + (high - low) * i / count
+        for (low, high), count in zip(pairwise(knots), counts.tolist(), strict=True)
+        for i in range(count)
     ]
     return (*between, knots[-1])

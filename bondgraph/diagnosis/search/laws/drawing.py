@@ -96,14 +96,29 @@ def lines_in(strengths: Sequence[str]) -> dict[str, str]:
 
     A place may be called a level, too: what all names begin with alike is the curve's.
     """
-    letters = zip(*strengths, strict=False)
-    stem = len(list(takewhile(lambda alike: len(set(alike)) == 1, letters)))
+    stem = _stem(strengths)
     return {
         name: line
         for line in LINES
         for name in strengths
         if name[stem:].startswith(f"{line}_")
     }
+
+
+def bends_in(strengths: Sequence[str]) -> dict[str, str]:
+    """Return which of a smooth curve's numbers are its bends, by name."""
+    stem = _stem(strengths)
+    return {
+        name: "_".join(name[stem:].split("_")[:2])
+        for name in strengths
+        if name[stem:].startswith("bend_")
+    }
+
+
+def _stem(strengths: Sequence[str]) -> int:
+    """Return how many letters the names of a curve's numbers begin with alike."""
+    letters = zip(*strengths, strict=False)
+    return len(list(takewhile(lambda alike: len(set(alike)) == 1, letters)))
 
 
 def _only_together(fitted: FittedModel, lines: Collection[str]) -> tuple[set[str], int]:

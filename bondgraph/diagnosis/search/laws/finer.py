@@ -2,11 +2,12 @@
 
 Few knots are enough to find the place, and leave little freedom to mislead. Once a
 curve has been chosen it is drawn finely, smooth first and then rougher and rougher as
-long as that predicts left-out data better; and once more with both ways the same, which
-has half as much to tell. Few knots do not follow a narrow hump; of what only goes along
-with its variable a curve may do better then. So the nearest rival at another place is
-drawn as well, and the nearest of another variable at the same place. And where laws
-with names leave much that is no noise, curves that came as near with few knots.
+long as that predicts left-out data better; once more with both ways the same, which has
+half as much to tell; and with corners. Few knots do not follow a narrow hump; of what
+only goes along with its variable a curve may do better then. So the nearest rival at
+another place is drawn as well, and the nearest of another variable at the same place.
+And where laws with names leave much that is no noise, curves that came as near with few
+knots.
 """
 
 from collections.abc import Sequence
@@ -20,6 +21,7 @@ from bondgraph.diagnosis.evidence.gain import compare
 from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
+from bondgraph.diagnosis.search.laws.corners import with_corners
 from bondgraph.diagnosis.search.laws.drawing import Drawing, drawn_finely, told_apart
 from bondgraph.diagnosis.search.laws.own_range import over_its_own_range
 from bondgraph.diagnosis.search.trials.bench import Bench
@@ -74,7 +76,7 @@ def as_fine_as_told(bench: Bench, chosen: Judged, before: LeftOutErrors) -> Judg
     best = _that_carries_over(drawings)
     if best is drawings[0]:
         return chosen
-    best = told_apart(bench, first, best)
+    best = with_corners(bench, first, told_apart(bench, first, best))
     errors = replace(best.errors, noise=chosen.errors.noise)
     gain = compare(before, errors)
     reason = f"reduces the left-out error by {gain}"
