@@ -10,7 +10,8 @@ from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import ZeroJunctionPlace
 from bondgraph.structure.domains import ELECTRICAL, THERMAL
 from bondgraph.structure.edits import SignalState
-from bondgraph.structure.elements import Resistance
+from bondgraph.structure.elements import Compliance, Resistance, ZeroJunction
+from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.signals import displacement, e, effort, flow
 
 ICE = 273.15
@@ -59,7 +60,8 @@ class TemperatureDependentResistance(AbstractPhysics):
 
     Its rise x follows the power it takes, late: x' = (h e f - x) / tau, and the law is
     that of the resistance times 1 + x. A winding's grows, a lubricant's falls. A wall
-    between two temperatures has their mean.
+    between two temperatures has their mean. Where the model has bodies that hold heat,
+    it may be as warm as one of them.
     """
 
     word = "temperature_dependent_resistance"
@@ -73,7 +75,12 @@ class TemperatureDependentResistance(AbstractPhysics):
             return
         if not isinstance(place.element, Resistance) or place.element.law is not None:
             return
-        yield self._by_place(place) if place.domain == THERMAL else self._by_use(place)
+        if place.domain == THERMAL:
+            yield self._by_place(place)
+            return
+        yield self._by_use(place)
+        for body in _bodies(place.graph):
+            yield self._by_body(place, body)
 
     def _quickest(self, place: ElementPlace) -> float:
         """Return the least time in which it may warm."""
@@ -87,6 +94,19 @@ class TemperatureDependentResistance(AbstractPhysics):
         words = f"{place.name} changes with the temperature of what it joins"
         edit = place.replace(law, a)
         return self.hypothesis(place, edit, law, (a,), words, also=place.junctions)
+
+    def _by_body(self, place: ElementPlace, body: str) -> Hypothesis:
+        temperature = effort(body)
+        typical = place.scales.of(temperature.name)
+        absolute = typical > COLD
+        zero = place.constant(f"usual_at_{body}", "K", ROOM if absolute else 0.0)
+        some = 0.2 / (ROOM if absolute else typical)
+        stem = f"temperature_slope_{body}"
+        a = place.strength(stem, "1/K", (0.0, some))
+        law = place.usual_law * (1 + a.symbol * (temperature - zero.symbol))
+        words = f"{place.name} changes with the temperature of {body}"
+        edit = place.replace(law, a, zero)
+        return self.hypothesis(place, edit, law, (a, zero), words, also=place.junctions)
 
     def _by_use(self, place: ElementPlace) -> Hypothesis:
         some = 0.2 / (place.effort * place.flow)
@@ -104,6 +124,20 @@ class TemperatureDependentResistance(AbstractPhysics):
             words = f"{place.name} changes by what it has borne: warmth, wear or dirt"
         edit = place.replace(law, h, tau, states=(SignalState(name, rate),))
         return self.hypothesis(place, edit, law, (h, tau), words, also=place.junctions)
+
+
+def _bodies(graph: FinishedGraph) -> list[str]:
+    """Return the junctions of a common temperature at which heat is stored."""
+    return [
+        node.name
+        for node in graph.nodes
+        if isinstance(node, ZeroJunction)
+        and graph.domain_at(node.name) == THERMAL
+        and any(
+            isinstance(graph.node(bond.other(node.name)), Compliance)
+            for bond in graph.bonds_at(node.name)
+        )
+    ]
 
 
 def _mean_temperature(place: ElementPlace) -> sympy.Expr:
