@@ -294,11 +294,17 @@ def test_a_curve_begins_as_the_best_law_of_its_own_variable():
         seen = replace(seen, chosen=seen.judged[-1])
         drawn = with_curve_drawn(bench, seen, 1.0, rule, nothing)
         again = with_curve_drawn(bench, replace(seen, judged=drawn), 1.0, rule, nothing)
-    *before, curve = drawn
+        *before, curve = drawn
+        # A curve that leaves more than the law has not come so far from where it began.
+        behind = replace(curve, candidate=replace(curve.candidate, fitted=base))
+        stuck = replace(seen, judged=(*before, behind))
+        begun = with_curve_drawn(bench, stuck, 1.0, rule, nothing)
     assert tuple(before) == seen.judged
     assert (curve.physics, curve.place) == (CURVE, "cart")
     assert curve.gain.value > 0.99 > max(one.gain.value for one in before)
     assert again == drawn
+    assert begun[:-1] == (*before, behind)
+    assert begun[-1].candidate.cost == pytest.approx(curve.candidate.cost)
 
 
 def test_a_curve_goes_over_the_range_that_a_law_goes_through(monkeypatch):

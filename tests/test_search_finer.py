@@ -6,7 +6,7 @@ from judged_candidates import BASE, judged
 from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.records import Support
 from bondgraph.diagnosis.search.laws import finer
-from bondgraph.diagnosis.search.laws.finer import finest_of
+from bondgraph.diagnosis.search.laws.finer import drawn_as_near, finest_of
 
 ROUGH = judged(0.130, physics=CURVE, place="input", complexity=7)
 RIVAL = judged(0.132, physics=CURVE, place="plant", complexity=8)
@@ -80,3 +80,14 @@ def test_a_law_with_a_name_has_no_rival_drawn(drawn):
     drawn(input=0.10, plant=0.01)
     law = judged(0.13, physics="drag", place="input")
     assert places([law, RIVAL], law) == ["input"]
+
+
+def test_a_curve_of_the_laws_own_variable_is_drawn_however_near_it_comes(monkeypatch):
+    law = judged(0.05, physics="hardening_spring", place="input")
+    law.candidate.hypothesis.depends_on = ("displacement",)
+    own, other = of(0.4, "displacement"), of(0.4, "flow")
+    elsewhere = judged(0.4, physics=CURVE, place="plant")
+    elsewhere.candidate.hypothesis.depends_on = ("displacement",)
+    monkeypatch.setattr(finer, "as_fine_as_told", lambda bench, chosen, before: chosen)
+    drawn = drawn_as_near(None, law, [law, own, other, elsewhere], BASE)
+    assert [curve for curve, _ in drawn] == [own]

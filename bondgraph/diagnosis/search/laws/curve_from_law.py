@@ -74,6 +74,8 @@ def _trial(bench: Bench, there: str, judged: Sequence[Judged]) -> Trial | None:
     """Return a fit of a curve that was not judged yet, or not over its range.
 
     It begins as the best law that depends on the curve's own variable and nothing else.
+    One that was judged, but leaves more than that law, did not get so far from where it
+    began.
     """
     laws = [
         one.candidate
@@ -82,9 +84,8 @@ def _trial(bench: Bench, there: str, judged: Sequence[Judged]) -> Trial | None:
         and one.physics != CURVE
         and isinstance(one.candidate.hypothesis.edit, InsertElement)
     ]
-    known = {one.candidate.hypothesis.told_by for one in judged}
     trials = (
-        _begun_as(law, curve, place, known)
+        _begun_as(law, curve, place, _as_far(law, judged))
         for place in all_places(bench.base.graph, measure_scales(bench.base))
         if place.name == there and isinstance(place, JunctionPlace)
         for law in laws
@@ -94,10 +95,19 @@ def _trial(bench: Bench, there: str, judged: Sequence[Judged]) -> Trial | None:
     return next((one for one in trials if one is not None), None)
 
 
+def _as_far(law: Candidate, judged: Sequence[Judged]) -> set[tuple[str, ...]]:
+    """Return what was judged and explains the training data as well as a law."""
+    return {
+        one.candidate.hypothesis.told_by
+        for one in judged
+        if one.candidate.cost <= law.cost
+    }
+
+
 def _begun_as(
     law: Candidate, curve: Hypothesis, place: JunctionPlace, known: set[tuple[str, ...]]
 ) -> Trial | None:
-    """Return a fit of the curve that begins as the law; None where it was judged."""
+    """Return a fit of the curve that begins as the law; None where it came as far."""
     x, y = law_curve(law.fitted, law, variable_of(curve, place).value)
     visited = _another(curve.visited, (float(x.min()), float(x.max())))
     if visited is not None:

@@ -139,15 +139,21 @@ def drawn_as_near(
 def _as_near(chosen: Judged, judged: Sequence[Judged]) -> list[Judged]:
     """Return the best curves that come as near, one of each place and variable.
 
-    First those of one variable: of two there is one for whatever may steer.
+    First those of one variable: of two there is one for whatever may steer. And that of
+    the law's own place and variable, however near it comes with few knots: these pass
+    by a hump that is narrower than they are apart.
     """
     most = AS_NEAR * float(chosen.errors.chunks.sum())
+    own = chosen.place, chosen.candidate.hypothesis.depends_on
     near = [
         one
         for one in judged
         if one.physics == CURVE
         and one.support is Support.SUPPORTED
-        and float(one.errors.chunks.sum()) <= most
+        and (
+            float(one.errors.chunks.sum()) <= most
+            or own == (one.place, one.candidate.hypothesis.depends_on)
+        )
     ]
     best: dict[tuple[str, tuple[str, ...]], Judged] = {}
     for one in sorted(near, key=lambda one: -one.gain.value):
