@@ -15,6 +15,8 @@ SEED_SETS = {
     "final_11": 861_433,
     "final_12": 927_587,
     "final_13": 1_039_223,
+    "final_14": 1_187_561,
+    "final_15": 1_254_889,
 }
 """Final ones are opened once: `final` in the first report, `final_2` in the second,
 `final_3` in the third, `final_4` in the fourth, `final_5` in the fifth, and so on.
