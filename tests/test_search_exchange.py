@@ -130,6 +130,18 @@ def test_what_is_left_is_counted_from_the_first_model_to_the_last():
     assert remaining(rounds[-1:], {"force": 5.0}) == 1.0
 
 
+def test_noise_is_no_larger_where_a_model_is_off_that_was_not_fitted_there():
+    base = driven(road)
+    limit = proposed(base, SpeedLimit())
+    near = judged_beside(base, limit, added(base, base, [limit]))
+    errors = replace(near.errors, chunks=10.0 * near.errors.chunks)
+    off = replace(near, errors=errors)
+    noise = {"force": 0.9 * float(base.residuals().std())}
+    assert remaining([Round(base, chosen=near)], noise) == 0.0
+    left = 1.0 - near.gain.value
+    assert remaining([Round(base, chosen=off)], noise) == pytest.approx(left, abs=0.1)
+
+
 def weighed_by(times, fitted, first, hypotheses):
     """Return the model fitted again, its output weighed so many times more."""
     heavier = replace(fitted.problem, sigma=fitted.problem.sigma / times)

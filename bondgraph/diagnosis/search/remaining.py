@@ -44,6 +44,8 @@ def _left_by(
     whole = first.errors.per_sample / max(1.0 - first.gain.value, 1e-12)
     share = last.errors.per_sample / whole if whole > 0.0 else 1.0
     power = np.nanmean((base.residuals() / scale) ** 2, axis=0)
-    # The gains are of the errors of all outputs together, weighed by these scales.
-    beyond = 1.0 - float(np.sum(np.minimum((noise / scale) ** 2, power)) / power.sum())
+    # The gains are of the errors of all outputs together, weighed by these scales. A
+    # model that is far off is farther off where it was not fitted, and noise is not.
+    error = max(whole, float(power.sum()))
+    beyond = 1.0 - float(np.sum(np.minimum((noise / scale) ** 2, power))) / error
     return max(share - (1.0 - beyond), 0.0) / max(beyond, 1e-12)
