@@ -7,7 +7,12 @@ from bellows import curve_over, searched
 from bondgraph.diagnosis.drawn_laws import law_curve
 from bondgraph.diagnosis.search.laws import corners
 from bondgraph.diagnosis.search.laws.corners import with_corners
-from bondgraph.diagnosis.search.laws.drawing import Drawing, bends_in, drawn_finely
+from bondgraph.diagnosis.search.laws.drawing import (
+    Drawing,
+    bends_in,
+    drawn_finely,
+    lines_in,
+)
 from bondgraph.diagnosis.search.trials.trying import Start
 from bondgraph.physics.smooth import Smooth
 
@@ -74,6 +79,13 @@ def test_few_knots_have_no_bends_of_their_own():
     assert not bends_in(first.candidate.hypothesis.strengths)
     named = bends_in(smooth.candidate.hypothesis.strengths)
     assert [*named.values()] == [f"bend_{i}" for i in range(1, len(named) + 1)]
+
+
+@pytest.mark.parametrize("first", [(), ("curve_level_bend", "curve_slope_bend")])
+def test_bends_are_known_by_name_with_lines_and_without(first):
+    bends = {f"curve_bend_{i}_bend": f"bend_{i}" for i in (1, 2, 12)}
+    assert bends_in((*first, *bends)) == bends
+    assert [*lines_in((*first, *bends))] == sorted(first, reverse=True)
 
 
 @pytest.mark.parametrize("better", ["typical", "in_one"])

@@ -4,6 +4,7 @@ What is proportional may be another's as well: a damper beside a force that bend
 the speed takes any share of its slope. Then it takes all of it.
 """
 
+import re
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 from itertools import takewhile
@@ -34,6 +35,9 @@ from bondgraph.physics.smooth import Smooth
 from bondgraph.physics.unknown import UnknownRelation
 
 Array = NDArray[np.float64]
+
+BEND, ALL_BENDS = re.compile(r"bend_\d+"), re.compile(r"bend_\d*$")
+"""What a bend is called, and what is left of that where all names begin so."""
 
 AS_WELL = 1.01
 """A curve without its line does as well as with it where it costs no more than this."""
@@ -92,33 +96,32 @@ def is_fine(curve: Hypothesis) -> bool:
 
 
 def lines_in(strengths: Sequence[str]) -> dict[str, str]:
-    """Return which of a smooth curve's numbers are its lines, by name.
-
-    A place may be called a level, too: what all names begin with alike is the curve's.
-    """
-    stem = _stem(strengths)
+    """Return which of a smooth curve's numbers are its lines, by name."""
+    own = _after_stem(strengths)
     return {
         name: line
         for line in LINES
-        for name in strengths
-        if name[stem:].startswith(f"{line}_")
+        for name, after in own.items()
+        if after.startswith(f"{line}_")
     }
 
 
 def bends_in(strengths: Sequence[str]) -> dict[str, str]:
     """Return which of a smooth curve's numbers are its bends, by name."""
-    stem = _stem(strengths)
-    return {
-        name: "_".join(name[stem:].split("_")[:2])
-        for name in strengths
-        if name[stem:].startswith("bend_")
-    }
+    found = {name: BEND.match(after) for name, after in _after_stem(strengths).items()}
+    return {name: bend[0] for name, bend in found.items() if bend is not None}
 
 
-def _stem(strengths: Sequence[str]) -> int:
-    """Return how many letters the names of a curve's numbers begin with alike."""
+def _after_stem(strengths: Sequence[str]) -> dict[str, str]:
+    """Return what follows in the names of a curve's numbers on what is the curve's.
+
+    A place may be called a level, too: what all names begin with alike is the curve's,
+    but for a bend where there are bends alone.
+    """
     letters = zip(*strengths, strict=False)
-    return len(list(takewhile(lambda alike: len(set(alike)) == 1, letters)))
+    same = takewhile(lambda alike: len(set(alike)) == 1, letters)
+    alike = ALL_BENDS.sub("", "".join(one[0] for one in same))
+    return {name: name.removeprefix(alike) for name in strengths}
 
 
 def _only_together(fitted: FittedModel, lines: Collection[str]) -> tuple[set[str], int]:
