@@ -4,9 +4,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from physics_machines import MACHINES, scales_of
 
 from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.search.laws import relatives
+from bondgraph.physics.dynamics import Delay, Lag
+from bondgraph.physics.places.channels import InputPlace
+from bondgraph.physics.places.everywhere import all_places
 
 
 def law(physics, cost, place="dish", coupling=0.0, complexity=1):
@@ -72,3 +76,30 @@ def test_a_law_with_a_name_begins_again_where_a_curve_there_leads(refitted):
     # Another law leads: that curve says nothing.
     ahead = law("spring", 0.01, place="vane", coupling=0.9)
     assert refitted(curve, law("gravity", 0.064), ahead) == []
+
+
+@pytest.mark.parametrize(("leads", "late"), [(0, 0.04), (1, 0.08), (2, 0.04)])
+def test_other_forms_of_what_comes_late_begin_as_late(leads, late, monkeypatch):
+    graph, asked = MACHINES["dc_drive"], []
+    places = all_places(graph, scales_of(graph))
+    place = next(one for one in places if isinstance(one, InputPlace))
+    laws = [law for late in (Lag(), Delay()) for law in late.propose(place)]
+    names = [next(iter(law.starts[0])) for law in laws]
+    assert [law.physics for law in laws] == ["lag", "lag", "delay"]
+    fitted = SimpleNamespace(
+        values={"friction": 0.3, names[leads]: 0.04},
+        optimum=SimpleNamespace(initial=None),
+        problem=SimpleNamespace(solver=None),
+    )
+    leading = SimpleNamespace(hypothesis=laws[leads], fitted=fitted, cost=0.1)
+    bench = SimpleNamespace(
+        run=lambda _, trials, __: asked.extend(trials), candidates=lambda *_: []
+    )
+    monkeypatch.setattr(relatives, "begun_again", lambda _: [])
+    relatives.related(bench, [leading], laws)
+    begun = {t.hypothesis.words: t.starts[0].values for t in asked}
+    others = [i for i in range(3) if i != leads]
+    assert [*begun] == [laws[i].words for i in others]
+    for i, values in zip(others, begun.values(), strict=True):
+        assert values["friction"] == 0.3
+        assert values[names[i]] == pytest.approx(late / 2 if i == 1 else late)

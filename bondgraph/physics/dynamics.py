@@ -73,6 +73,10 @@ class Delay(AbstractPhysics):
         yield self.hypothesis(place, edit, law, (time,), words)
 
 
+LATE = (Lag.word, Delay.word)
+"""A lag in one stage or two, and a delay."""
+
+
 def lagging(name: str, signal: sympy.Expr, time: sympy.Expr) -> SignalState:
     """Return the state that follows `signal` with the time constant `time`."""
     return SignalState(name, (signal - displacement(name)) / time)

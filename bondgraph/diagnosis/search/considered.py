@@ -19,7 +19,7 @@ from bondgraph.diagnosis.search.options import Options
 from bondgraph.diagnosis.search.trials.worth import fault_of
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.contact import Backlash
-from bondgraph.physics.dynamics import Delay, Lag
+from bondgraph.physics.dynamics import LATE, Delay
 from bondgraph.physics.hypothesis import Hypothesis
 from bondgraph.physics.relaxation import StoreBehind
 from bondgraph.recordings.binding import BoundRecording
@@ -33,9 +33,6 @@ NEARLY = 0.25
 
 SPARE = 2
 """Samples that a law wants for each of its numbers, beside those of the model."""
-
-LATE = (Lag.word, Delay.word)
-"""A lag in one stage or two, and a delay: of a long one the lag promises more."""
 
 TWICE = 2
 """So many stores behind resistances of their own may be found at a place."""

@@ -6,7 +6,8 @@ better starts; every candidate is refitted from relatives that fit better. So is
 plainer one that comes close to the best law at its place: a weight and a spring that
 bends leave nearly the same, and the one whose fit took the model's own numbers into
 another valley would lose by that alone. And a law with a name where a free curve leads:
-a curve finds its way from anywhere, and takes the model's own numbers along.
+a curve finds its way from anywhere, and takes the model's own numbers along. And where
+a signal that comes late leads, the other ways in which it may be as late.
 """
 
 from collections.abc import Sequence
@@ -18,6 +19,7 @@ from bondgraph.diagnosis.search.trials.bench import Bench
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, fit_fully
 from bondgraph.diagnosis.search.trials.vanished import begun_again
 from bondgraph.fitting.estimate import FittedModel
+from bondgraph.physics.dynamics import LATE, STAGES
 from bondgraph.physics.hypothesis import Hypothesis
 
 RELATIVE_BETTER = 0.99
@@ -58,6 +60,7 @@ def related(
     ][:WIDER]
     there = Start.where_ended(leading.fitted)
     trials += [Trial(hypothesis, (there,)) for hypothesis in wider]
+    trials += _as_late(leading, hypotheses)
     trials += begun_again(candidates)
     if not trials:
         return candidates
@@ -71,6 +74,30 @@ def _akin(own: Candidate, other: Candidate) -> bool:
     if a.place == b.place:
         return a.contains(b) or b.contains(a)
     return a.physics == b.physics and own.complexity == other.complexity
+
+
+def _as_late(leading: Candidate, hypotheses: Sequence[Hypothesis]) -> list[Trial]:
+    """Return the other forms of a lag or a delay that leads, begun as late as it is."""
+    law, values = leading.hypothesis, leading.fitted.values
+    if law.physics not in LATE:
+        return []
+    late = _stages(law) * values[_time_of(law)]
+    return [
+        Trial(other, (Start({**values, _time_of(other): late / _stages(other)}),))
+        for other in hypotheses
+        if other.physics in LATE and other.place == law.place and other is not law
+    ]
+
+
+def _time_of(law: Hypothesis) -> str:
+    """Return the name of the one number of a lag or a delay."""
+    (time,) = law.starts[0]
+    return time
+
+
+def _stages(law: Hypothesis) -> int:
+    """Return in how many stages a signal comes late."""
+    return 2 if law.words.endswith(STAGES) else 1
 
 
 def _is_named_beside(own: Candidate, curve: Candidate) -> bool:
