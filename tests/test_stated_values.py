@@ -2,8 +2,8 @@
 
 import pytest
 
-from bondgraph import BondGraph, I, R, Se
-from bondgraph.diagnosis.answer.stated import at_bounds, contradicted
+from bondgraph import BondGraph, C, I, R, Se, Sf
+from bondgraph.diagnosis.answer.stated import at_bounds, contradicted, driven_away
 from bondgraph.fitting.result import Estimate
 
 
@@ -56,3 +56,40 @@ def test_a_stated_value_five_standard_deviations_off_is_a_finding(value, word):
 
 def test_a_value_without_a_tolerance_contradicts_nothing():
     assert contradicted(cart(bounds=(1, 4)), [ended("mass", 3.9)]) == ()
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "std", "told"),
+    [
+        (2.2, 7.0, 0.1, True),  # With a law that takes it back.
+        (2.2, 5.0, 0.1, False),
+        (2.2, 0.2, 0.001, False),  # What the law does the mass need not do.
+        (7.5, 7.0, 0.1, False),  # It had run there for want of something else.
+        (2.2, 7.0, 1.0, False),  # Hardly known.
+    ],
+)
+def test_an_element_that_does_far_more_only_with_what_was_found_is_told(
+    before, after, std, told
+):
+    without, now = ended("mass", before), ended("mass", after, std)
+    notes = driven_away(cart(), [without], [now, ended("coulomb_body", 4.0)])
+    assert len(notes) == told
+    if told:
+        assert "mass is 7 kg, without it 2.2 kg, near the stated 2 kg" in notes[0]
+
+
+def test_a_spring_does_more_where_it_gives_way_less():
+    g = BondGraph("valve", domain="hydraulic")
+    g.zero("tank", Sf("pump"), C("store"), R("outlet"))
+    g.one("line", Se("head"), C("bladder"))
+    g.join("line", "tank")
+    g.measure("level", effort="tank")
+    for name, unit in (("store", "m^3/Pa"), ("outlet", "Pa*s/m^3")):
+        g.parameter(name, 2.0, unit)
+    g.parameter("bladder", 2.0, "m^3/Pa")
+    graph = g.finish()
+    for name, more in (("store", 8.0), ("outlet", 0.5), ("bladder", 0.5)):
+        first, last = ended(name, 2.0), ended(name, more, 0.001)
+        assert len(driven_away(graph, [first], [last])) == 1
+        less = ended(name, 4.0 / more, 0.001)
+        assert driven_away(graph, [first], [less]) == ()

@@ -45,8 +45,9 @@ choice has seen it, but an answer that fails there is not told as sure. A judgem
 
 STANDS_IN = 0.5
 """What is left of a probability where numbers of the model end at bounds that it
-states: they stand in for something. A judgement: of 155 answers told with 55 and more,
-most of them of strangers' recordings, one ended so, with three laws that were wrong.
+states, or an element does far more than stated only with what was found: they stand in
+for something. A judgement: of 155 answers told with 55 and more, most of them of
+strangers' recordings, one ended so at bounds, with three laws that were wrong.
 """
 
 
@@ -69,7 +70,8 @@ def doubted(
     carried
         Whether what was kept back does not speak against them.
     within
-        Whether the model's own numbers stay within the bounds that it states.
+        Whether the model's own numbers stay within the bounds that it states, and are
+        not driven to do far more than as it states.
     """
     believed = 1.0 if left < SHOWS else 1.0 - sqrt(min(left, 1.0))
     if not carried:

@@ -12,7 +12,14 @@ from bondgraph.diagnosis.answer.wording import listed, to_digits_of
 from bondgraph.diagnosis.records import Finding
 from bondgraph.fitting.natural_bounds import AT, gone_words
 from bondgraph.fitting.result import Estimate
-from bondgraph.structure.elements import Compliance, Inertance, Node, Resistance
+from bondgraph.structure.elements import (
+    Compliance,
+    Inertance,
+    Node,
+    OneJunction,
+    OnePort,
+    Resistance,
+)
 from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.nodes import parameters_of
 from bondgraph.structure.parameters import Parameter
@@ -20,6 +27,11 @@ from bondgraph.structure.signals import parameters_in
 
 FAR = 5.0
 """Standard deviations, stated and estimated together, beyond which a value is wrong."""
+
+MANY, KNOWN = 3.0, 0.1
+"""An element that does so many times what it does as stated does far more, where its
+value is known to within this share of it.
+"""
 
 
 def contradicted(
@@ -72,6 +84,66 @@ def ended_at_bounds(
         if math.isfinite(bound) and bound != 0.0
         if math.isclose(estimate.value, bound, rel_tol=AT)
     )
+
+
+def driven_away(
+    graph: FinishedGraph, before: Sequence[Estimate], after: Sequence[Estimate]
+) -> tuple[str, ...]:
+    """Return a sentence on each element that does far more only with what was found.
+
+    A law that takes back what it makes of a weight three times as large is no law but
+    the first terms of a series. That an element does less beside a law is as it should
+    be, and so is that a value comes back which had run away for want of one.
+
+    Parameters
+    ----------
+    graph
+        The user's model, with the values as stated.
+    before, after
+        What was fitted without what was found, and with it.
+    """
+    without = {one.name: one for one in before}
+    told = []
+    for one in after:
+        first, parameter = without.get(one.name), graph.parameters.get(one.name)
+        if first is None or parameter is None or not parameter.value:
+            continue
+        stated, unit = parameter.value, _unit_of(one)
+        power = _does_more(graph, one.name)
+        now, then = (_times(it.value / stated, power) for it in (one, first))
+        if now > MANY > then > 1.0 / MANY and _is_known(one) and _is_known(first):
+            told.append(
+                f"With what was found {one.name} is {one.value:.4g}{unit}, without it "
+                f"{first.value:.4g}{unit}, near the stated {stated:.4g}{unit}: what "
+                "was found may do no more than take that back."
+            )
+    return tuple(told)
+
+
+def _times(ratio: float, power: int) -> float:
+    return float(ratio**power) if ratio > 0.0 else 0.0
+
+
+def _does_more(graph: FinishedGraph, parameter: str) -> int:
+    """Return 1 where an element does more with more of it, -1 with less, else 0.
+
+    At a common flow an effort is more, and with a stiffer spring; at a common effort a
+    flow.
+    """
+    for node in graph.nodes:
+        if parameter in parameters_of(node) and isinstance(node, OnePort):
+            (bond,) = graph.bonds_at(node.name)
+            at_one = isinstance(graph.node(bond.other(node.name)), OneJunction)
+            if isinstance(node, Compliance):
+                return -1 if at_one else 1
+            if isinstance(node, Inertance | Resistance):
+                return 1 if at_one else -1
+            return 1
+    return 0
+
+
+def _is_known(estimate: Estimate) -> bool:
+    return estimate.std is not None and estimate.std < KNOWN * abs(estimate.value)
 
 
 def _unit_of(estimate: Estimate) -> str:

@@ -19,11 +19,16 @@ from bondgraph.diagnosis.answer.one_size import doubted_in_one_size
 from bondgraph.diagnosis.answer.rounded_inputs import doubted_within_rounding
 from bondgraph.diagnosis.answer.separating import designed, left_close
 from bondgraph.diagnosis.answer.showing import recovered_law, traces
-from bondgraph.diagnosis.answer.stated import at_bounds, contradicted, ended_at_bounds
+from bondgraph.diagnosis.answer.stated import (
+    at_bounds,
+    contradicted,
+    driven_away,
+    ended_at_bounds,
+)
 from bondgraph.diagnosis.answer.turning import doubted_at_turns, turns_of
 from bondgraph.diagnosis.answer.untried import untried
 from bondgraph.diagnosis.answer.wording import next_experiment
-from bondgraph.diagnosis.candidates import Candidate
+from bondgraph.diagnosis.candidates import CURVE, Candidate
 from bondgraph.diagnosis.evidence.judged import Judged
 from bondgraph.diagnosis.evidence.leftover import foretold, noise_floor
 from bondgraph.diagnosis.evidence.proportion import known_in_proportion
@@ -73,7 +78,10 @@ def answer(
     proportion = known_in_proportion(final, base)
     told, others = findings_of(rounds, after, held_out, options, left, proportion)
     told = with_images(told, base.graph, after.estimates)
-    within = not ended_at_bounds(graph, after.estimates)
+    # A curve leaves to an element beside it what goes in proportion.
+    named = any(one.physics != CURVE for one in told)
+    away = driven_away(graph, before.estimates, after.estimates) if named else ()
+    within = not away and not ended_at_bounds(graph, after.estimates)
     told = doubted(told, left, carried=shown.carries_over, within=within)
     turns = turns_of(base.problem.model, recordings)
     findings = doubted_at_turns(_doubted_as_recorded(told, rounds), turns)
@@ -115,6 +123,7 @@ def answer(
             *beyond_training(chosen_in(rounds), final, held_out),
             *gone_together(findings, everywhere),
             *at_bounds(graph, after.estimates),
+            *away,
             *undesigned,
             *look_alikes(findings, base, recordings),
             *untried(graph, verdict),
