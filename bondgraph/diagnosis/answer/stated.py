@@ -121,6 +121,7 @@ def driven_away(
 
 
 def _times(ratio: float, power: int) -> float:
+    """Return how many times what it does as stated an element does."""
     return float(ratio**power) if ratio > 0.0 else 0.0
 
 
@@ -130,16 +131,21 @@ def _does_more(graph: FinishedGraph, parameter: str) -> int:
     At a common flow an effort is more, and with a stiffer spring; at a common effort a
     flow.
     """
-    for node in graph.nodes:
-        if parameter in parameters_of(node) and isinstance(node, OnePort):
-            (bond,) = graph.bonds_at(node.name)
-            at_one = isinstance(graph.node(bond.other(node.name)), OneJunction)
-            if isinstance(node, Compliance):
-                return -1 if at_one else 1
-            if isinstance(node, Inertance | Resistance):
-                return 1 if at_one else -1
-            return 1
-    return 0
+    node = _node_with(graph, parameter)
+    if not isinstance(node, OnePort):
+        return 0
+    (bond,) = graph.bonds_at(node.name)
+    at_one = isinstance(graph.node(bond.other(node.name)), OneJunction)
+    match node:
+        case Compliance():
+            return -1 if at_one else 1
+        case Inertance() | Resistance():
+            return 1 if at_one else -1
+    return 1
+
+
+def _node_with(graph: FinishedGraph, parameter: str) -> Node | None:
+    return next((n for n in graph.nodes if parameter in parameters_of(n)), None)
 
 
 def _is_known(estimate: Estimate) -> bool:
@@ -153,7 +159,7 @@ def _unit_of(estimate: Estimate) -> str:
 def _finding(
     graph: FinishedGraph, estimate: Estimate, stated: Parameter, away: float
 ) -> Finding:
-    node = next((n for n in graph.nodes if estimate.name in parameters_of(n)), None)
+    node = _node_with(graph, estimate.name)
     name = _reader(graph, estimate.name) if node is None else node.name
     unit = _unit_of(estimate)
     needed = f"{estimate.value:.4g}"
