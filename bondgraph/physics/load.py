@@ -47,6 +47,7 @@ class LoadDependentFriction(AbstractPhysics):
         for load in _loads(place):
             yield self._law(place, load, constant=False)
             yield self._law(place, load, constant=True)
+            yield self._pressed_beside(place, load)
             if place.is_steady:
                 yield self._law(place, load, constant=True, when_slow=changing)
 
@@ -79,6 +80,31 @@ class LoadDependentFriction(AbstractPhysics):
             f"{'has a constant part and ' if constant else ''}grows with "
             f"{load.told(place)}{slow.words}",
             extends=slow.extending(self.word, *narrower),
+        )
+
+    def _pressed_beside(self, place: OneJunctionPlace, load: "_Load") -> Hypothesis:
+        """Return the law of a contact that something else presses as well.
+
+        A weight, a belt or a clamp that moves nothing, and so is in no model of the
+        motion, presses on what the load presses on: with one sign of the load there is
+        more friction, with the other less, to the load that lifts the contact.
+        """
+        some = 0.3 * place.effort
+        mu = place.strength("mu", "1", (0.0, 0.1, -0.1))
+        c = place.strength("coulomb", place.unit(E), (0.0, some, some), low=0.0)
+        sign, width = direction(place)
+        name = place.name_of(self.word)
+        law = sympy.Abs(c.symbol + mu.symbol * load.carried(name)) * sign
+        coefficients = (mu, c, width)
+        return self.hypothesis(
+            place,
+            place.insert(Resistance(name, law=law), *coefficients),
+            law,
+            coefficients,
+            f"{place.a(E)} against the motion that grows with {load.told(place)} in "
+            "one sense and shrinks with it in the other, as where something presses "
+            "beside it",
+            extends=("coulomb_friction", self.word),
         )
 
 
