@@ -83,6 +83,13 @@ CASES = [
         "geared_arm",
         "LoadDependentFriction",
         "joint",
+        {"mu": -0.15, "coulomb": 0.4},
+        2,
+    ),
+    Case(
+        "geared_arm",
+        "LoadDependentFriction",
+        "joint",
         {
             "mu": 0.15,
             "coulomb": 0.4,

@@ -38,18 +38,18 @@ class LoadDependentFriction(AbstractPhysics):
     domains = MECHANICAL
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield two per load at a 1-junction: without and with a constant part.
+        """Yield per load at a 1-junction one with, one without a constant part.
 
-        Of a steady table also one that is another where it is slow.
+        Then one where something else presses as well. Of a steady table also one that is another where it is slow.
         """
         if not isinstance(place, OneJunctionPlace) or not self.suits(place):
             return
         for load in _loads(place):
             yield self._law(place, load, constant=False)
             yield self._law(place, load, constant=True)
-            yield self._pressed_beside(place, load)
             if place.is_steady:
                 yield self._law(place, load, constant=True, when_slow=changing)
+            yield self._pressed_beside(place, load)
 
     def _law(
         self,
@@ -90,7 +90,7 @@ class LoadDependentFriction(AbstractPhysics):
         more friction, with the other less, to the load that lifts the contact.
         """
         some = 0.3 * place.effort
-        mu = place.strength("mu", "1", (0.0, 0.1, -0.1))
+        mu = place.strength("mu", "1", (0.0, 0.2, -0.2))
         c = place.strength("coulomb", place.unit(E), (0.0, some, some), low=0.0)
         sign, width = direction(place)
         name = place.name_of(self.word)
