@@ -40,7 +40,8 @@ class LoadDependentFriction(AbstractPhysics):
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield per load at a 1-junction one with, one without a constant part.
 
-        Then one where something else presses as well. Of a steady table also one that is another where it is slow.
+        Then one where something else presses as well. Of a steady table also
+        one that is another where it is slow.
         """
         if not isinstance(place, OneJunctionPlace) or not self.suits(place):
             return
