@@ -36,7 +36,8 @@ class Lag(AbstractPhysics):
         if not isinstance(place, ChannelPlace) or place.is_constant:
             return
         for stages, stem, how in ((1, "lag", ""), (2, "lag_each", STAGES)):
-            tau = place.shape(stem, "s", _times(place), low=0.02 * place.scales.step)
+            low, high = 0.02 * place.scales.step, place.scales.slowest
+            tau = place.shape(stem, "s", _times(place), low=low, high=high)
             names = (place.name_of(f"lagged{'_twice' * k}") for k in range(stages))
             law, states = place.signal, []
             for name in names:

@@ -198,4 +198,4 @@ def time_to_fill(place: JunctionPlace, stem: str = "fill_time") -> Coefficient:
     """Return the time of a state that fades, in starts of `SHARES`, small and large."""
     low = FASTEST * place.scales.step
     times = tuple(max(share * place.scales.stretch, 2 * low) for share in SHARES)
-    return place.shape(stem, "s", times * 2, low=low)
+    return place.shape(stem, "s", times * 2, low=low, high=place.scales.slowest)

@@ -39,10 +39,10 @@ class RelaxingSpring(AbstractPhysics):
             return
         size = place.effort / place.displacement
         stiff = size_to_fill(place, "relaxing_stiffness", place.unit(E, Q), size)
-        low = FASTEST * place.scales.step
+        low, slowest = FASTEST * place.scales.step, place.scales.slowest
         period = place.displacement / place.flow
-        times = tuple(max(share * period, 2 * low) for share in TIMES)
-        tau = place.shape("relaxation_time", "s", times * 2, low=low)
+        times = tuple(min(max(share * period, 2 * low), slowest / 2) for share in TIMES)
+        tau = place.shape("relaxation_time", "s", times * 2, low=low, high=slowest)
         behind = place.name_of("relaxing")
         spring = Compliance(f"{behind}_spring", law=stiff.symbol * q)
         damper = Resistance(f"{behind}_damper", law=stiff.symbol * tau.symbol * f)

@@ -8,6 +8,9 @@ from bondgraph.structure.domains import Quantity
 REVERSED = 0.02
 """A signal that goes the other way by less than this share does not reverse."""
 
+SLOWEST = 10.0
+"""Of the longest recording: what fades in such a time hardly fades in any."""
+
 
 @dataclass(frozen=True, slots=True)
 class Scales:
@@ -80,3 +83,8 @@ class Scales:
     def stretch(self) -> float:
         """The time in which things happen: the duration, or 1000 steps."""
         return self.duration or 1000 * self.step
+
+    @property
+    def slowest(self) -> float:
+        """The longest time worth fitting: beyond it a state is a constant."""
+        return SLOWEST * self.stretch

@@ -9,7 +9,8 @@ tells how steep an edge or how rigid a stop is says only that it is as steep as 
 Two equal times look undetermined: near there only their sum shows, to first order. But
 neither can be none. So a time that its standard error does not tell from none is set to
 none, and the rest fitted: where that does clearly worse the time is there. Not where
-the model's own fit has run away: from there that says nothing.
+the model's own fit has run away: from there that says nothing. Nor may it do as well at
+the longest that it may be: a state that never fades is a constant of each recording.
 """
 
 from collections.abc import Sequence
@@ -32,6 +33,9 @@ CLEARLY = 1.5
 """A fit whose cost is larger by this factor is clearly worse. By less a second delay of
 the same way is: few states draw a delay, and two of half the time do so more exactly.
 """
+
+SURELY = 3.0
+"""Standard errors: a time that is fewer of them long may be much longer."""
 
 ITERATIONS = 12
 """Enough to see whether a model without a time does nearly as well."""
@@ -115,11 +119,16 @@ def _is_told(candidate: Candidate, base: FittedModel) -> bool:
 
 
 def _is_too_late(candidate: Candidate) -> bool:
-    """Return whether a time of the law is as long as it may be: it would be longer."""
+    """Return whether a time of the law is as long as it may be, or as well were."""
     fitted = candidate.fitted
     problem, theta = fitted.problem, fitted.optimum.theta
     high = problem.high[problem.free]
-    return any(LEAST * theta[k] >= high[k] for k in _times(candidate))
+    stds = uncertainty(problem, fitted.optimum).std
+    for k in _times(candidate):
+        known = SURELY * stds[k] <= theta[k] or not np.isfinite(high[k])
+        if LEAST * theta[k] >= high[k] or not (known or _worse_at(fitted, k, high[k])):
+            return True
+    return False
 
 
 def _without_memory(candidate: Candidate, base: FittedModel) -> bool:
@@ -130,11 +139,11 @@ def _without_memory(candidate: Candidate, base: FittedModel) -> bool:
     fitted = candidate.fitted
     problem, stds = fitted.problem, uncertainty(fitted.problem, fitted.optimum).std
     for k in _times(candidate):
-        value = float(fitted.optimum.theta[k])
-        if value <= LEAST * float(problem.low[problem.free[k]]):
+        value, low = float(fitted.optimum.theta[k]), problem.low[problem.free[k]]
+        if value <= LEAST * float(low):
             return True
         known = stds[k] <= abs(value)
-        if not known and (run_away(base) or not _worse_at_once(fitted, k)):
+        if not known and (run_away(base) or not _worse_at(fitted, k, low)):
             return True
     return False
 
@@ -147,7 +156,8 @@ def _remembers(candidate: Candidate) -> bool:
     own[list(times)] = False
     if not times or null[:, own].max(initial=0.0) > TRACE:
         return False
-    return all(_worse_at_once(fitted, k) for k in times)
+    low = fitted.problem.low[fitted.problem.free]
+    return all(_worse_at(fitted, k, low[k]) for k in times)
 
 
 def _times(candidate: Candidate) -> tuple[int, ...]:
@@ -161,13 +171,13 @@ def _times(candidate: Candidate) -> tuple[int, ...]:
     )
 
 
-def _worse_at_once(fitted: FittedModel, k: int) -> bool:
-    """Return whether the model does clearly worse where a time of it is none."""
+def _worse_at(fitted: FittedModel, k: int, time: float) -> bool:
+    """Return whether the model does clearly worse where a time of it is `time`."""
     problem, optimum = fitted.problem, fitted.optimum
     start = problem.start.copy()
-    start[problem.free[k]] = problem.low[problem.free[k]]
-    at_once = replace(problem, start=start, free=np.delete(problem.free, k))
+    start[problem.free[k]] = time
+    held = replace(problem, start=start, free=np.delete(problem.free, k))
     found = minimise(
-        at_once, np.delete(optimum.theta, k), optimum.initial, iterations=ITERATIONS
+        held, np.delete(optimum.theta, k), optimum.initial, iterations=ITERATIONS
     )
     return bool(np.isfinite(found.cost) and found.cost > CLEARLY * optimum.cost)
