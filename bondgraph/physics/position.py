@@ -236,7 +236,8 @@ class EndStop(AbstractPhysics):
         d = place.strength(f"{end_name}_stop_damping", unit, none + damping, low=0.0)
         pressed = sympy.Max(side * (q - stop.symbol), 0)
         lost = sympy.Min(pressed / touch, 1) if at_once else pressed
-        law = side * k.symbol * pressed + d.symbol * lost * f
+        # What leaves quickly is let go: a stop pushes and never pulls.
+        law = side * sympy.Max(0, k.symbol * pressed + side * d.symbol * lost * f)
         element = restoring(place, place.name_of(f"{end_name}_end_stop"), law)
         words = (
             f"{place.a(E)} that stops the motion at {'an upper' if side > 0 else 'a'}"
