@@ -9,6 +9,7 @@ from bondgraph.diagnosis.search.trials.impossible import STOPS_NOTHING, impossib
 from bondgraph.diagnosis.search.trials.trying import Start, Trial, restored
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.physics.position import EndStop
+from bondgraph.structure.signals import f, parameter_symbol, q
 
 TIME = np.arange(0.0, 10.0, 0.02)
 
@@ -87,3 +88,25 @@ def test_where_it_is_follows_from_what_is_read(behind_a_rod):
     film, soft = (stopped(behind_a_rod, 5.0, k, 300.0) for k in (0.01, 500.0))
     assert impossible(film) == STOPS_NOTHING
     assert impossible(soft) is None
+
+
+@pytest.mark.parametrize("at_once", [False, True], ids=["as pressed", "from touch"])
+@pytest.mark.parametrize("side", [1, -1], ids=["upper", "lower"])
+def test_a_stop_pushes_and_never_pulls(base, side, at_once):
+    laws = propose_all(base, (EndStop(),))
+    end = "upper" if side > 0 else "lower"
+    own = [one for one in laws if f"{end}_stop_sled" in one.parameters]
+    (law,) = (one.law for one in own if ("first touch" in one.words) == at_once)
+    numbers = {"": 0.0, "_stiffness": 300.0, "_damping": 700.0}
+    known = {
+        parameter_symbol(f"{end}_stop{stem}_sled"): value
+        for stem, value in numbers.items()
+    }
+
+    def push(speed):
+        return side * float(law.subs({**known, q: side, f: side * speed}))
+
+    assert push(0.0) == pytest.approx(300.0)
+    assert push(0.1) == pytest.approx(370.0)
+    assert push(-0.1) == pytest.approx(230.0)
+    assert push(-5.0) == 0.0

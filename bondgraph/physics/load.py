@@ -12,7 +12,7 @@ from bondgraph.physics.dry_friction import (
     the_same,
 )
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import MECHANICAL, E, Place
+from bondgraph.physics.places.base import MECHANICAL, Coefficient, E, Place
 from bondgraph.physics.places.junction import OneJunctionPlace
 from bondgraph.structure.elements import (
     EffortSource,
@@ -66,18 +66,14 @@ class LoadDependentFriction(AbstractPhysics):
         c = place.strength("coulomb", place.unit(E), (0.0, some, some), low=0.0)
         sign, width = direction(place)
         slow = when_slow(place, sign)
-        name = place.name_of(self.word)
-        pressed = mu.symbol * sympy.Abs(load.carried(name))
+        pressed = mu.symbol * sympy.Abs(load.carried(place.name_of(self.word)))
         law = (c.symbol + pressed if constant else pressed) * sign * slow.factor
         own = (mu, c) if constant else (mu,)
-        coefficients = (*own, *slow.coefficients, width)
         narrower = ("coulomb_friction", self.word) if constant else ()
-        return self.hypothesis(
+        return self._rubbing(
             place,
-            place.insert(Resistance(name, law=law), *coefficients),
             law,
-            coefficients,
-            f"{place.a(E)} against the motion that "
+            (*own, *slow.coefficients, width),
             f"{'has a constant part and ' if constant else ''}grows with "
             f"{load.told(place)}{slow.words}",
             extends=slow.extending(self.word, *narrower),
@@ -88,25 +84,36 @@ class LoadDependentFriction(AbstractPhysics):
 
         A weight, a belt or a clamp that moves nothing, and so is in no model of the
         motion, presses on what the load presses on: with one sign of the load there is
-        more friction, with the other less, to the load that lifts the contact.
+        more friction, with the other less, until the load lifts off what is pressed.
         """
         some = 0.3 * place.effort
         mu = place.strength("mu", "1", (0.0, 0.2, -0.2))
         c = place.strength("coulomb", place.unit(E), (0.0, some, some), low=0.0)
         sign, width = direction(place)
-        name = place.name_of(self.word)
-        law = sympy.Abs(c.symbol + mu.symbol * load.carried(name)) * sign
-        coefficients = (mu, c, width)
-        return self.hypothesis(
+        carried = load.carried(place.name_of(self.word))
+        return self._rubbing(
             place,
-            place.insert(Resistance(name, law=law), *coefficients),
-            law,
-            coefficients,
-            f"{place.a(E)} against the motion that grows with {load.told(place)} in "
-            "one sense and shrinks with it in the other, as where something presses "
-            "beside it",
+            sympy.Abs(c.symbol + mu.symbol * carried) * sign,
+            (mu, c, width),
+            f"grows with {load.told(place)} in one sense and shrinks with it in the "
+            "other, as where something presses beside it",
             extends=("coulomb_friction", self.word),
         )
+
+    def _rubbing(
+        self,
+        place: OneJunctionPlace,
+        law: sympy.Expr,
+        coefficients: tuple[Coefficient, ...],
+        words: str,
+        *,
+        extends: tuple[str, ...],
+    ) -> Hypothesis:
+        """Return the hypothesis of a resistance of that law, told in these words."""
+        rubs = Resistance(place.name_of(self.word), law=law)
+        words = f"{place.a(E)} against the motion that {words}"
+        edit = place.insert(rubs, *coefficients)
+        return self.hypothesis(place, edit, law, coefficients, words, extends=extends)
 
 
 @dataclass(frozen=True, slots=True)
