@@ -9,6 +9,7 @@ import sympy
 from carts import free_cart
 
 from bondgraph import BondGraph, C, R, Recording, Se, Sf, bind_to, effort
+from bondgraph.diagnosis.candidates import propose_all
 from bondgraph.diagnosis.diagnose import Options, diagnose
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search import looks, one_round
@@ -264,3 +265,59 @@ def test_what_led_by_new_states_in_every_window_does_not_hide_what_came_behind(
     seen = one_round._led(setting, None, leading, {}, 1.0)
     assert asked == [[soft, loose, weight], [loose, weight], [weight]]
     assert seen.verdicts.chosen is weight
+
+
+def looked_further(monkeypatch, without_number):
+    """Return from which fits further looks begin where a spring mended the long run.
+
+    Parameters
+    ----------
+    without_number
+        Whether the first look has told no number of it.
+    """
+    run = floated(SOFT, 0.0)
+    windows = replace(HELD, horizon=Windows(40))
+    base = fit_model(CART, [run], windows)
+    (spring,) = (
+        one
+        for one in propose_all(base, LIBRARY)
+        if (one.physics, one.place) == ("spring", "wheel")
+    )
+    sprung = spring.apply(base.graph)
+    final = fit_model(sprung, [run], replace(HELD, horizon=WholeRecordings()))
+    chosen = SimpleNamespace(candidate=SimpleNamespace(hypothesis=spring))
+    first, begun = Look([Round(base, chosen=chosen)], final), []
+    monkeypatch.setattr(looks, "ends_as_nothing", lambda *_: without_number)
+    monkeypatch.setattr(looks, "remaining", lambda *_: 1.0)
+
+    def seen(other, *_):
+        begun.append(other)
+        return first
+
+    monkeypatch.setattr(looks, "look", seen)
+    shop = SimpleNamespace(limit=SimpleNamespace(passed=False), progress=lambda _: None)
+    noise = np.zeros(1)
+    looks.second_look(CART, first, [run], noise, Options(settings=HELD), shop)
+    return begun
+
+
+def test_a_law_without_a_number_that_mends_the_long_run_ends_no_search(monkeypatch):
+    assert looked_further(monkeypatch, without_number=True)
+    assert not looked_further(monkeypatch, without_number=False)
+
+
+def test_whether_a_disturbance_goes_on_growing_is_asked_of_what_fits_the_long_run(
+    monkeypatch,
+):
+    # Windows take what slows a machine for states of their own: it seems to run free.
+    asked = []
+
+    def grows(graph, *_):
+        asked.append(graph.parameters["viscous"].value)
+        return True
+
+    monkeypatch.setattr(looks, "grows", grows)
+    assert not looked_further(monkeypatch, without_number=True)
+    run = floated(SOFT, 0.0)
+    long = fit_model(CART, [run], replace(HELD, horizon=WholeRecordings()))
+    assert asked == pytest.approx([long.values["viscous"]])

@@ -147,7 +147,8 @@ def second_look(
     Where named laws have left little it was not blind; it was where windows leave no
     more than noise and whole recordings more. Where windows have shown nothing, whole
     recordings have to come down to what windows are left with. A plant on which the
-    least disturbance goes on growing says nothing in the long run.
+    least disturbance goes on growing says nothing in the long run. That is asked of the
+    model as fitted to it: windows take for states of their own what holds a machine.
     """
     base = first.rounds[0].base
     small = within(base, noise, options.rule)
@@ -157,15 +158,15 @@ def second_look(
     if explains(first, recordings) and not _spoils(first, base, recordings):
         return first
     known = Known(graph, recordings, noise, _halved(options))
-    there = graph.with_parameters(base.values)
+    long = known.fitted_again(base)
+    there = graph.with_parameters(long.values)
     if grows(there, base.problem.model, recordings, known.settings):
         return first
-    long = known.fitted_again(base)
     if too_large(long, noise_floor(recordings), SHOWS) is None:
         return first
     least = _whole_error(long, recordings)
     best, reached = first, min(first.error(recordings), least)
-    if reached < CLEARLY * least and first.is_named:
+    if reached < CLEARLY * least and first.is_told:
         return first
     others = () if long is base else (long,)
     for other in (*others, *known.as_stated(long)):
