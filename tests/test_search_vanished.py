@@ -110,3 +110,15 @@ def test_a_strength_of_next_to_nothing_is_none(bench):
     assert begun[size] > 0.0
     assert is_nothing(law, {**begun, size: 1e-9 * begun[size]})
     assert not is_nothing(law, {**begun, size: 1e-3 * begun[size]})
+
+
+def test_a_memory_far_beyond_what_it_can_be_is_another_laws(bench):
+    law = proposed(bench, DahlHysteresis())
+    begun = law.starts[-1]
+    (size,) = law.strengths
+    weak = fitted(bench, law, **{size: 1e-4 * begun[size]})
+    memory = weak.fitted.problem.model.state_names.index(f"q_{law.memory.state}")
+    along = weak.fitted.optimum.linearisation.states[:, memory]
+    assert np.abs(along).max() > 100.0 * law.memory.most
+    assert not is_nothing(law, weak.fitted.values)
+    assert has_vanished(weak)

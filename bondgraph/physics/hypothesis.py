@@ -59,6 +59,22 @@ class Limit:
     words: str
 
 
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """A state of its own that a law keeps within a size, whatever has happened.
+
+    Parameters
+    ----------
+    state
+        Its name in the graph; its symbol is ``q_`` and that.
+    most
+        The size that it comes to at most.
+    """
+
+    state: str
+    most: float
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hypothesis:
     """One (physics, place) with everything needed to insert, fit and tell it.
@@ -95,6 +111,8 @@ class Hypothesis:
         That curve, where it changes a law and nothing can be taken out again.
     limit
         Where it is told as a plainer law; None where it never is.
+    memory
+        A state of its own that its law keeps within a size; None where it does not.
     visited
         The range of its variable that a curve is drawn over; None of any other law.
     """
@@ -114,6 +132,7 @@ class Hypothesis:
     factor: sympy.Expr = sympy.S.One
     shape: Shape | None = None
     limit: Limit | None = None
+    memory: Memory | None = None
     visited: tuple[float, float] | None = None
 
     @property

@@ -12,7 +12,13 @@ from dataclasses import replace
 
 import sympy
 
-from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Limit, Passivity
+from bondgraph.physics.hypothesis import (
+    AbstractPhysics,
+    Hypothesis,
+    Limit,
+    Memory,
+    Passivity,
+)
 from bondgraph.physics.places.base import MECHANICAL, Coefficient, E, Place, Q
 from bondgraph.physics.places.junction import OneJunctionPlace
 from bondgraph.structure.edits import SignalState
@@ -27,6 +33,9 @@ SKEWS = (*(0.0,) * len(SHARES), *(0.25,) * len(SHARES), -0.5)
 
 AT_ONCE = 2.0
 """A presliding of so many times the least one is none: it is dry friction."""
+
+MOST = 1.0
+"""The memory of Dahl's law; what a skew adds to it is left out of account."""
 
 LONGEST = 0.5
 """Of the distance travelled: a memory that is never used up is a spring's."""
@@ -72,7 +81,7 @@ class DahlHysteresis(AbstractPhysics):
         way = coefficients[1].parameter
         dry = f"{place.a(E)} of constant size against the motion, which holds at rest"
         limit = Limit(way.name, AT_ONCE * way.bounds[0], "coulomb_friction", dry)
-        return replace(found, limit=limit)
+        return replace(found, limit=limit, memory=Memory(state.name, MOST))
 
 
 class BoucWenHysteresis(DahlHysteresis):

@@ -8,21 +8,23 @@ ERRORS = 2.0
 FACTORS = ("sensor_scale", "input_scale")
 """How numbers begin that have no effect at 1, where others have none at 0."""
 
-TIMINGS = (
+FORMS = (
     "mode_frequency",
     "mode_damping",
     "warming_time",
     "fill_time",
     "relaxation_time",
     "induced_time",
+    "presliding",
+    "hysteresis_skew",
 )
-"""How numbers begin that say how fast something is, and not that there is any of it."""
+"""How numbers begin that say how something goes, and not that there is any of it."""
 
 
 def none_told(numbers: Sequence[tuple[str, float, float | None]]) -> bool:
     """Return whether there are numbers, and none is told from having no effect.
 
-    Beside others a frequency tells nothing: where nothing swings it is as one likes.
+    Beside others a form tells nothing: of what does not swing any frequency fits.
 
     Parameters
     ----------
@@ -30,7 +32,7 @@ def none_told(numbers: Sequence[tuple[str, float, float | None]]) -> bool:
         Each with its name, its value and its error. An error that is not known, None or
         not a number, tells nothing.
     """
-    sizes = [one for one in numbers if not one[0].startswith(TIMINGS)] or numbers
+    sizes = [one for one in numbers if not one[0].startswith(FORMS)] or numbers
     return bool(sizes) and not any(
         std is not None and abs(value - _no_effect(name)) > ERRORS * std
         for name, value, std in sizes

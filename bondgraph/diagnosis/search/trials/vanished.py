@@ -9,6 +9,8 @@ effect, and set aside where it ends there again.
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from bondgraph.diagnosis.candidates import Candidate, Rejected
 from bondgraph.diagnosis.search.trials.trying import Start, Trial
 from bondgraph.physics.hypothesis import Hypothesis
@@ -20,6 +22,9 @@ REASON = (
 
 NOTHING = 1e-6
 """A strength of less than this share of where it would begin with an effect is none."""
+
+ENORMOUS = 30.0
+"""A memory so many times larger than its law lets it become belongs to another law."""
 
 
 def begun_again(candidates: Sequence[Candidate]) -> list[Trial]:
@@ -47,8 +52,23 @@ def without_vanished(
 
 
 def has_vanished(candidate: Candidate) -> bool:
-    """Return whether no strength is above a start that is as good as none."""
-    return is_nothing(candidate.hypothesis, candidate.fitted.values)
+    """Return whether no strength is above a start that is as good as none.
+
+    Or whether its memory is enormous, which makes up for next to no strength.
+    """
+    nothing = is_nothing(candidate.hypothesis, candidate.fitted.values)
+    return nothing or _is_enormous(candidate)
+
+
+def _is_enormous(candidate: Candidate) -> bool:
+    """Return whether a memory begins windows far beyond what its law lets it become."""
+    memory = candidate.hypothesis.memory
+    if memory is None:
+        return False
+    fitted = candidate.fitted
+    which = fitted.problem.model.state_names.index(f"q_{memory.state}")
+    along = fitted.optimum.linearisation.states[:, which]
+    return bool(np.max(np.abs(along)) > ENORMOUS * memory.most)
 
 
 def is_nothing(hypothesis: Hypothesis, values: Mapping[str, float]) -> bool:
