@@ -24,6 +24,7 @@ from benchmarks.flegx_story.shaping import (
     speed_of_the_test,
 )
 from benchmarks.flegx_story.telling import Told, concealed_in, telling
+from benchmarks.flegx_story.zeros import found_zero
 from bondgraph import InsertElement, Parameter, R, f, to_python
 from flegx_models import models
 from flegx_models.tuned_zeros import (
@@ -160,6 +161,17 @@ def test_an_answer_is_taken_to_the_controller(tmp_path):
     assert "F = 8.80 N·m at the joint; zero at 2.90 rad/s" in shaped(answer)
 
 
+def test_a_friction_of_a_load_alone_has_no_size_to_lay_a_zero_by(tmp_path):
+    finding = {
+        "physics": "load_dependent_friction",
+        "place": "worm",
+        "parameters": {"mu_worm": {"value": 0.34, "unit": "1"}},
+    }
+    answer = tmp_path / "lowerleg_stance_worm.json"
+    answer.write_text(json.dumps({"verdict": "", "findings": [finding]}), "utf-8")
+    assert found_zero(answer) is None
+
+
 def found(physics, place, **parameters):
     """Return a finding with parameters, each of a value and its standard error."""
     numbers = {
@@ -229,3 +241,22 @@ def test_a_compliance_counts_where_it_is_as_large_as_the_concealed_one(
     seen = told_of(tmp_path / "lowerleg_stance_tendons.json", gives)
     assert seen.pieces == {"tendons": told}
     assert bool(seen.beside) is (told is Told.SILENT)
+
+
+@pytest.mark.parametrize(
+    ("inertia", "error", "told"),
+    [(0.05, 0.001, Told.RIGHT), (1e-9, 1e-10, Told.SILENT), (0.05, 0.03, Told.SILENT)],
+    ids=["as large", "next to none", "not told from none"],
+)
+def test_a_part_that_swings_is_a_compliance_of_its_inertia_and_its_rate(
+    tmp_path, inertia, error, told
+):
+    rate = (0.05 * 2e-3) ** -0.5
+    swings = found(
+        "compliance",
+        "joint",
+        mode_inertia_joint=(inertia, error),
+        mode_frequency_joint=(rate, rate / 100),
+    )
+    seen = told_of(tmp_path / "lowerleg_stance_tendons.json", swings)
+    assert seen.pieces == {"tendons": told}

@@ -7,8 +7,9 @@ tell one from the other.
 
 As in the proof, a place that the answer calls not told from the one it names counts as
 named; a finding of which no number is known counts as nothing. These two rules were
-added with the first answers that needed them, and on 2026-11-30 a third: a compliance
-that is not of the concealed size, to a factor of three, is another one.
+added with the first answers that needed them, and on 2026-11-30 two more: a compliance
+that is not of the concealed size, to a factor of three, is another one; and how fast
+something swings is no number of it, where its inertia is none.
 """
 
 import json
@@ -40,6 +41,9 @@ SCALES = (1.0, 1.0 / WORM**2, 1.0 / RATIO**2)
 
 OFF = 3.0
 """A compliance so many times larger or smaller is another one."""
+
+FORMS = ("mode_frequency_", "mode_damping_")
+"""How numbers begin that say how something swings, and not that anything does."""
 
 FAMILY = {
     "worm": ("friction", "drag", "hysteresis"),
@@ -97,7 +101,8 @@ def _named(finding: Mapping[str, Any]) -> tuple[str, ...]:
     """
     sized = any(
         one["std"] is not None and abs(one["value"]) > 2.0 * one["std"]
-        for one in finding["parameters"].values()
+        for name, one in finding["parameters"].items()
+        if not name.startswith(FORMS)
     )
     others = finding["indistinguishable_places"]
     return (finding["place"], *others) if sized else (f"{finding['place']} (no size)",)
@@ -108,14 +113,30 @@ def _of_its_size(piece: str, finding: Mapping[str, Any]) -> bool:
     concealed = COMPLIANCES.get(piece)
     if concealed is None:
         return True
-    sizes = [
-        one["value"]
-        for name, one in finding["parameters"].items()
-        if name.startswith("compliance_") and "damping" not in name
-    ]
+    sizes = _compliances(finding["parameters"])
     return not sizes or any(
         1.0 / OFF < scale * size / concealed < OFF for size in sizes for scale in SCALES
     )
+
+
+def _compliances(parameters: Mapping[str, Mapping[str, float]]) -> list[float]:
+    """Return those that a finding's numbers say: of a spring, or of what swings on one.
+
+    A mode of inertia I and rate w hangs on a compliance of 1 / (I w^2).
+    """
+    value = {name: one["value"] for name, one in parameters.items()}
+    springs = [
+        size
+        for name, size in value.items()
+        if name.startswith("compliance_") and "damping" not in name
+    ]
+    modes = [
+        1.0 / stiffness
+        for name, inertia in value.items()
+        if name.startswith("mode_inertia_")
+        and (stiffness := inertia * value[name.replace("inertia", "frequency")] ** 2)
+    ]
+    return springs + modes
 
 
 def telling(answer: Path) -> Telling:

@@ -23,8 +23,9 @@ from flegx_models.tuned_zeros import tuning_tests
 RATIOS = {"motor": RATIO, "worm": WORM, "joint": 1.0, "support": LENGTH}
 """Speed of a place per speed of the joint."""
 
-DRY = ("coulomb_friction", "direction_dependent_friction")
-"""Frictions with one size; to first harmonic an asymmetry beside it takes no part."""
+DRY = ("coulomb_friction", "direction_dependent_friction", "load_dependent_friction")
+"""Frictions with a constant size. To first harmonic an asymmetry beside it takes no
+part, and no more does what a load adds that changes its sign with the acceleration."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,15 +44,20 @@ class FoundZero:
 def found_zero(answer: Path) -> FoundZero | None:
     """Return the controller for the model that an answer gives; None without friction.
 
-    The formula needs one dry friction that does not depend on a load, and a real pole:
+    The formula needs one dry friction of which a part is constant, and a real pole:
     beside a hysteresis, which is a spring at last, there may be none.
     """
     told: dict[str, Any] = json.loads(answer.read_text("utf-8"))
     dry = [one for one in told["findings"] if one["physics"] in DRY]
-    if len(dry) != 1 or dry[0]["place"] not in RATIOS:
+    sizes = [
+        it["value"]
+        for one in dry
+        for it in one["parameters"].values()
+        if it["unit"] != "1"
+    ]
+    if len(dry) != 1 or len(sizes) != 1 or dry[0]["place"] not in RATIOS:
         return None
-    (one,) = dry
-    (size,) = (it["value"] for it in one["parameters"].values() if it["unit"] != "1")
+    (one,), (size,) = dry, sizes
     ratio = RATIOS[one["place"]]
     text = answer.with_suffix(".py")
     text.write_text(told["model"], "utf-8")
