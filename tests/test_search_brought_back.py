@@ -28,7 +28,7 @@ def fit(cost, physics="coulomb_friction", **values):
     )
     hypothesis = SimpleNamespace(
         physics=physics, place="cabin", strengths=("dry",), starts=({"dry": 1.0},),
-        silent_starts=(), parameters=("dry",),
+        silent_starts=(), parameters=("dry",), memory=None,
     )  # fmt: skip
     return SimpleNamespace(hypothesis=hypothesis, fitted=fitted, cost=cost)
 

@@ -321,3 +321,16 @@ def test_whether_a_disturbance_goes_on_growing_is_asked_of_either_fit(
     assert looked_further(monkeypatch, without_number=True)
     monkeypatch.setattr(looks, "grows", lambda *_: True)
     assert not looked_further(monkeypatch, without_number=True)
+
+
+@pytest.mark.parametrize(("explained", "kept"), [(True, False), (False, True)])
+def test_what_windows_were_not_explained_by_need_not_be_kept(
+    monkeypatch, explained, kept
+):
+    # Play may take up in each window what a friction does in the long run.
+    base = SimpleNamespace()
+    first = Look([Round(base)], SimpleNamespace())
+    seen = Look([Round(base)], SimpleNamespace())
+    monkeypatch.setattr(looks, "explains", lambda *_: explained)
+    monkeypatch.setattr(looks, "keeps_what_windows_show", lambda *_: False)
+    assert looks._still_shows(seen, first, []) is kept

@@ -177,7 +177,8 @@ def second_look(
         error = seen.error(recordings)
         clean = bool(accepted(first.rounds)) or _as_windows(seen, base, recordings)
         better = is_better(seen, error, best, reached)
-        if accepted(seen.rounds) and clean and better and _still_shows(seen, first):
+        keeps = clean and better and _still_shows(seen, first, recordings)
+        if accepted(seen.rounds) and keeps:
             best, reached = seen, error
     return best
 
@@ -217,10 +218,14 @@ def _as_windows(
     )
 
 
-def _still_shows(seen: Look, first: Look) -> bool:
-    """Return whether what laws with names explained in windows is explained still."""
-    base = first.rounds[0].base
-    return not first.is_named or keeps_what_windows_show(seen.final, first.final, base)
+def _still_shows(seen: Look, first: Look, recordings: Sequence[BoundRecording]) -> bool:
+    """Return whether what laws with names explained in windows is explained still.
+
+    Where they have left much, there is nothing to keep to.
+    """
+    if not explains(first, recordings):
+        return True
+    return keeps_what_windows_show(seen.final, first.final, first.rounds[0].base)
 
 
 def explains(seen: Look, recordings: Sequence[BoundRecording]) -> bool:
