@@ -7,13 +7,14 @@ of its controller. The diagnoses themselves are run by command.
 import ast
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import sympy
 
-from benchmarks.flegx_story import leg, recording, train
+from benchmarks.flegx_story import leg, recording, train, zeros
 from benchmarks.flegx_story.__main__ import said, shaped
 from benchmarks.flegx_story.leg import ALL, ALONE, JOINTS, Concealed, machine
 from benchmarks.flegx_story.shaping import (
@@ -169,6 +170,27 @@ def test_a_friction_of_a_load_alone_has_no_size_to_lay_a_zero_by(tmp_path):
     }
     answer = tmp_path / "lowerleg_stance_worm.json"
     answer.write_text(json.dumps({"verdict": "", "findings": [finding]}), "utf-8")
+    assert found_zero(answer) is None
+
+
+def test_behind_a_dead_zone_no_zero_is_laid(tmp_path, monkeypatch):
+    size = Parameter(name="dry", value=0.035, unit="N*m", std=None)
+    law = sympy.Symbol("dry") * sympy.sign(f)
+    rubs = InsertElement("motor", R("rub", law=law), (size,))
+    finding = {
+        "physics": "coulomb_friction",
+        "place": "motor",
+        "element": "rub",
+        "parameters": {"dry": {"value": 0.035, "unit": "N*m"}},
+    }
+    model = to_python(rubs.apply(models.lowerleg_stance().finish()))
+    answer = tmp_path / "lowerleg_stance_worm.json"
+    answer.write_text(json.dumps({"findings": [finding], "model": model}), "utf-8")
+    assert found_zero(answer) is not None
+    plant = zeros.plant_of
+    monkeypatch.setattr(
+        zeros, "plant_of", lambda graph: replace(plant(graph), gain=0.0)
+    )
     assert found_zero(answer) is None
 
 

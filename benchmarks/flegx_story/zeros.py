@@ -45,7 +45,8 @@ def found_zero(answer: Path) -> FoundZero | None:
     """Return the controller for the model that an answer gives; None without friction.
 
     The formula needs one dry friction of which a part is constant, and a real pole:
-    beside a hysteresis, which is a spring at last, there may be none.
+    beside a hysteresis, which is a spring at last, there may be none. And it needs a
+    plant that answers at rest, which behind a dead zone it does not.
     """
     told: dict[str, Any] = json.loads(answer.read_text("utf-8"))
     dry = [one for one in told["findings"] if one["physics"] in DRY]
@@ -64,7 +65,7 @@ def found_zero(answer: Path) -> FoundZero | None:
     model, concealed = model_and_concealed(answer.stem)
     speed = ratio * speed_of_the_test(model)
     plant = plant_of(rubbed(load_model(f"{text}:model"), one["element"], size, speed))
-    if not real_poles(plant):
+    if not real_poles(plant) or plant.gain == 0.0:
         return None
     behind_the_filter = concealed in ("all", "filter")
     design = designed(model, plant, filtered=not behind_the_filter)
