@@ -314,12 +314,12 @@ def test_whether_a_disturbance_goes_on_growing_is_asked_of_either_fit(
     long = fit_model(CART, [run], replace(HELD, horizon=WholeRecordings()))
     holds = pytest.approx(long.values["viscous"])
 
-    def grows(graph, *_):
-        return graph.parameters["viscous"].value != holds
+    def grows(fitted, _):
+        return fitted.values["viscous"] != holds
 
-    monkeypatch.setattr(looks, "grows", grows)
+    monkeypatch.setattr(looks, "goes_on_growing", grows)
     assert looked_further(monkeypatch, without_number=True)
-    monkeypatch.setattr(looks, "grows", lambda *_: True)
+    monkeypatch.setattr(looks, "goes_on_growing", lambda *_: True)
     assert not looked_further(monkeypatch, without_number=True)
 
 

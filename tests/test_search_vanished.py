@@ -19,7 +19,7 @@ from bondgraph.diagnosis.work.workers import Here, workshop
 from bondgraph.fitting.estimate import FitSettings, fit_model
 from bondgraph.fitting.horizon import Windows
 from bondgraph.physics.drag import QuadraticDrag
-from bondgraph.physics.hysteresis import DahlHysteresis
+from bondgraph.physics.hysteresis import BoucWenHysteresis, DahlHysteresis
 from bondgraph.physics.modes import FlexibleMode
 from bondgraph.physics.places.everywhere import all_places
 
@@ -122,3 +122,8 @@ def test_a_memory_far_beyond_what_it_can_be_is_another_laws(bench):
     assert np.abs(along).max() > 100.0 * law.memory.most
     assert not is_nothing(law, weak.fitted.values)
     assert has_vanished(weak)
+
+
+def test_loops_that_grow_stiffer_as_they_are_loaded_have_no_largest_memory(bench):
+    assert proposed(bench, DahlHysteresis()).memory is not None
+    assert proposed(bench, BoucWenHysteresis()).memory is None

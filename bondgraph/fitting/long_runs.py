@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.fitting.automatic import grows
 from bondgraph.fitting.estimate import FittedModel, first_guess, pose
 from bondgraph.fitting.horizon import Horizon, WholeRecordings, Windows, cut
 from bondgraph.fitting.problem import FitProblem, Linearisation, write_windows
@@ -144,3 +145,9 @@ def _left_per_sample(fitted: FittedModel) -> float:
     """Return what the fit leaves of its cost in each sample."""
     left = fitted.optimum.linearisation.cost
     return float(np.sum(left)) / fitted.problem.shots.edges[-1]
+
+
+def goes_on_growing(fitted: FittedModel, recordings: Sequence[BoundRecording]) -> bool:
+    """Return whether the least disturbance goes on growing with the fitted values."""
+    graph = fitted.graph.with_parameters(fitted.values)
+    return grows(graph, fitted.problem.model, recordings, fitted.settings)

@@ -35,7 +35,7 @@ AT_ONCE = 2.0
 """A presliding of so many times the least one is none: it is dry friction."""
 
 MOST = 1.0
-"""The memory of Dahl's law; what a skew adds to it is left out of account."""
+"""The memory of Dahl's law; with a skew below -1 it grows as long as it is loaded."""
 
 LONGEST = 0.5
 """Of the distance travelled: a memory that is never used up is a spring's."""
@@ -63,7 +63,8 @@ class DahlHysteresis(AbstractPhysics):
         z, rate = displacement(name), flow(place.name)
         size, way = _size_and_way(place)
         state = SignalState(name, (rate - sympy.Abs(rate) * z) / way.symbol)
-        yield self._with_memory(place, state, size, (size, way))
+        dahl = self._with_memory(place, state, size, (size, way))
+        yield replace(dahl, memory=Memory(name, MOST))
 
     def _with_memory(
         self,
@@ -81,7 +82,7 @@ class DahlHysteresis(AbstractPhysics):
         way = coefficients[1].parameter
         dry = f"{place.a(E)} of constant size against the motion, which holds at rest"
         limit = Limit(way.name, AT_ONCE * way.bounds[0], "coulomb_friction", dry)
-        return replace(found, limit=limit, memory=Memory(state.name, MOST))
+        return replace(found, limit=limit)
 
 
 class BoucWenHysteresis(DahlHysteresis):

@@ -16,9 +16,9 @@ from bondgraph.diagnosis.evidence.leftover import (
     too_large,
 )
 from bondgraph.diagnosis.records import Comparison
-from bondgraph.fitting.automatic import grows
 from bondgraph.fitting.estimate import FittedModel, fit_model
 from bondgraph.fitting.horizon import WholeRecordings, Windows
+from bondgraph.fitting.long_runs import goes_on_growing
 from bondgraph.recordings.binding import BoundRecording
 
 LOST = 1.0
@@ -34,7 +34,7 @@ def off_in_the_long_run(
 
     A plant on which the least disturbance goes on growing says nothing in the long run.
     """
-    if not isinstance(base.horizon, Windows) or _grows(base, recordings):
+    if not isinstance(base.horizon, Windows) or goes_on_growing(base, recordings):
         return None
     settings = replace(base.settings, horizon=WholeRecordings())
     graph = base.graph.with_parameters(base.values)
@@ -63,7 +63,11 @@ def lost_over_whole(
         Whole training recordings, before and after.
     """
     windowed = isinstance(final.horizon, Windows)
-    if not windowed or trained.after.nrmse < LOST or not _grows(final, recordings):
+    if (
+        not windowed
+        or trained.after.nrmse < LOST
+        or not goes_on_growing(final, recordings)
+    ):
         return ()
     return (
         "The least disturbance of this machine goes on growing: without its controller "
@@ -71,12 +75,6 @@ def lost_over_whole(
         f"say nothing. It is judged over windows of {_seconds(final):.3g} s, each from "
         "a state of its own.",
     )
-
-
-def _grows(fitted: FittedModel, recordings: Sequence[BoundRecording]) -> bool:
-    settings = replace(fitted.settings, horizon=WholeRecordings())
-    graph = fitted.graph.with_parameters(fitted.values)
-    return grows(graph, fitted.problem.model, recordings, settings)
 
 
 def _seconds(base: FittedModel) -> float:

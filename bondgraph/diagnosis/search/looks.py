@@ -30,11 +30,10 @@ from bondgraph.diagnosis.search.revising.plainer import without_needless_parts
 from bondgraph.diagnosis.search.round_found import Round, accepted, chosen_in
 from bondgraph.diagnosis.search.rounds import search
 from bondgraph.diagnosis.work.workers import Workshop
-from bondgraph.fitting.automatic import grows
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.fine_steps import told_finely
 from bondgraph.fitting.horizon import Automatic, WholeRecordings
-from bondgraph.fitting.long_runs import simulate_whole
+from bondgraph.fitting.long_runs import goes_on_growing, simulate_whole
 from bondgraph.fitting.strategy import Direct
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
@@ -159,7 +158,7 @@ def second_look(
         return first
     known = Known(graph, recordings, noise, _halved(options))
     long = known.fitted_again(base)
-    if all(_grows(one, base, known) for one in (base, long)):
+    if all(goes_on_growing(one, recordings) for one in (base, long)):
         return first
     if too_large(long, noise_floor(recordings), SHOWS) is None:
         return first
@@ -181,12 +180,6 @@ def second_look(
         if accepted(seen.rounds) and keeps:
             best, reached = seen, error
     return best
-
-
-def _grows(fitted: FittedModel, base: FittedModel, known: Known) -> bool:
-    """Return whether the least disturbance goes on growing, by a fit of the model."""
-    there = known.graph.with_parameters(fitted.values)
-    return grows(there, base.problem.model, known.recordings, known.settings)
 
 
 def is_better(seen: Look, error: float, best: Look, reached: float) -> bool:
