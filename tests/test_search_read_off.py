@@ -79,6 +79,14 @@ def test_dry_friction_is_read_off_whatever_goes_in_proportion_beside_it():
     assert laid_along(at_cart(QuadraticDrag())[0], curve, line) is None
 
 
+def test_dry_friction_is_read_off_a_line_that_something_else_bends_down():
+    curve = next(law for law in at_cart(UnknownRelation()) if law.visited)
+    line = X, 3.0 * np.sign(X) - 2.0 * np.maximum(X, 0.0) ** 2
+    (left, values) = laid_along(at_cart(CoulombFriction())[0], curve, line)
+    assert 0.3 < left < 0.75
+    assert next(iter(values.values())) > 1.0
+
+
 def test_a_law_of_another_kind_of_place_is_not_laid_along():
     curve = next(law for law in at_cart(UnknownRelation()) if law.visited)
     assert laid_along(at_input(Saturation())[0], curve, (X, X**2)) is None
