@@ -1,10 +1,10 @@
-"""A finding whose numbers are gone where all recordings are fitted is told as such."""
+"""A finding whose numbers are gone where all recordings are fitted is in doubt."""
 
 from types import SimpleNamespace
 
 import pytest
 
-from bondgraph.diagnosis.answer.all_together import gone_together
+from bondgraph.diagnosis.answer.all_together import doubted_together
 from bondgraph.diagnosis.records import Finding
 from bondgraph.fitting.result import Estimate
 
@@ -21,20 +21,24 @@ def finding(physics="drag", *, size=2.0):
         physics=physics,
         place="ball",
         element="drag",
-        statement="",
+        statement="Drag at ball was left out: a force.",
+        probability=0.8,
         law="size*f",
         estimates=numbers(("size", size, 0.1)),
     )
 
 
 def told(one, *everywhere):
-    return list(gone_together([one], SimpleNamespace(estimates=numbers(*everywhere))))
+    together = SimpleNamespace(estimates=numbers(*everywhere))
+    return doubted_together([one], together)
 
 
-def test_a_number_that_held_out_recordings_do_not_want_is_told():
+def test_a_number_that_held_out_recordings_do_not_want_is_half_as_probable():
     for std in (0.1, None):
-        (note,) = told(finding(), ("mass", 1.0, 0.1), ("size", 0.05, std))
-        assert "no number of drag at ball that is told from none" in note
+        (one,) = told(finding(), ("mass", 1.0, 0.1), ("size", 0.05, std))
+        assert one.probability == pytest.approx(0.4)
+        assert "may have been left out" in one.statement
+        assert "no number of it that is told from none" in one.statement
 
 
 @pytest.mark.parametrize(
@@ -43,9 +47,9 @@ def test_a_number_that_held_out_recordings_do_not_want_is_told():
     ids=["it stays", "it had none", "a curve's points are told together"],
 )
 def test_of_all_others_nothing_is_said(one, size):
-    assert told(one, ("size", size, 0.1)) == []
+    assert told(one, ("size", size, 0.1)) == [one]
 
 
 def test_nothing_is_said_where_there_is_no_such_fit():
-    assert list(gone_together([finding()], None)) == []
-    assert told(finding(), ("mass", 1.0, 0.1)) == []
+    assert doubted_together([finding()], None) == [finding()]
+    assert told(finding(), ("mass", 1.0, 0.1)) == [finding()]

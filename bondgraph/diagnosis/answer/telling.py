@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from bondgraph.diagnosis.answer.all_together import gone_together
+from bondgraph.diagnosis.answer.all_together import doubted_together
 from bondgraph.diagnosis.answer.at_jumps import doubted_at_jumps
 from bondgraph.diagnosis.answer.beyond import beyond_training
 from bondgraph.diagnosis.answer.changed_over import with_images
@@ -85,13 +85,14 @@ def answer(
     told = doubted(told, left, carried=shown.carries_over, within=within)
     turns = turns_of(base.problem.model, recordings)
     findings = doubted_at_turns(_doubted_as_recorded(told, rounds), turns)
+    everything = (*recordings, *held_out)
+    everywhere = None if late else _delivered(graph, final, everything, options)
+    findings = doubted_together(findings, everywhere)
     wrong = contradicted(graph, after.estimates)
     verdict, statement = concluded(
         rounds, findings, wrong, left, shown, recordings, options
     )
-    everything = (*recordings, *held_out)
     close = left_close(rounds, others, verdict)
-    everywhere = None if late else _delivered(graph, final, everything, options)
     experiment, undesigned = (
         (None, ()) if close is None else designed(close, recordings)
     )
@@ -121,7 +122,6 @@ def answer(
             *map(str, turns),
             *lost_over_whole(final, recordings, shown.trained),
             *beyond_training(chosen_in(rounds), final, held_out),
-            *gone_together(findings, everywhere),
             *at_bounds(graph, after.estimates),
             *away,
             *undesigned,
