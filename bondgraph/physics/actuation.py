@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import sympy
 
+from bondgraph.physics.gains import in_proportion
 from bondgraph.physics.gap import beyond
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Coefficient, Place
@@ -44,9 +45,9 @@ class InputScale(AbstractPhysics):
         if not isinstance(place, InputPlace):
             return
         scale = place.shape("input_scale", "1", FACTORS)
-        law = scale.symbol * place.signal
+        law, own = in_proportion(place, scale)
         words = f"{place.name} acts in another proportion than commanded"
-        yield self.hypothesis(place, place.become(law, scale), law, (scale,), words)
+        yield self.hypothesis(place, place.become(law, *own), law, own, words)
         # All else in proportion does the same, so a free factor is not determined; a
         # slip is, where the parameters cannot follow: there is no negative mass.
         for factor, slip in SLIPS.items():

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import sympy
 
+from bondgraph.physics.gains import in_proportion, is_far_from_zero
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Coefficient, Place, Q
 from bondgraph.physics.places.channels import OutputPlace
@@ -13,11 +14,6 @@ from bondgraph.physics.slips import FACTORS, SLIPS, own_values
 from bondgraph.structure.elements import Compliance
 from bondgraph.structure.nodes import written_laws
 from bondgraph.structure.signals import Signal, parameters_in, signals_in, t
-
-FAR_FROM_ZERO = 0.3
-"""A range whose near end is so far out, of its far one, does not begin at zero: an
-absolute temperature, a pressure above a pressure.
-"""
 
 TOUCHES = 0.1
 """A reading that comes this near to zero, in its largest values, may turn there."""
@@ -36,13 +32,14 @@ class SensorScale(AbstractPhysics):
         if not isinstance(place, OutputPlace) or _has_free(place, factor=True):
             return
         scale = place.shape("sensor_scale", "1", FACTORS)
-        law = scale.symbol * place.signal
+        law, own = in_proportion(place, scale)
         words = f"{place.name} reads in another proportion than what is there"
-        yield self.hypothesis(place, place.become(law, scale), law, (scale,), words)
+        yield self.hypothesis(place, place.become(law, *own), law, own, words)
+        law = scale.symbol * place.signal
         slip = place.become(law, scale, nested=False)
         slipped = self.hypothesis(place, slip, law, (scale,), words)
-        own = own_values(place)
-        yield replace(slipped, starts=tuple({scale.name: x, **own} for x in SLIPS))
+        rest = own_values(place)
+        yield replace(slipped, starts=tuple({scale.name: x, **rest} for x in SLIPS))
 
 
 class SensorBias(AbstractPhysics):
@@ -171,10 +168,9 @@ class SensorNonlinearity(AbstractPhysics):
 def _middle(place: OutputPlace) -> tuple[float, float]:
     """Return where a bent sensor is right, and how far its range goes from there."""
     low, high = place.range
-    near, far = sorted((abs(low), abs(high)))
-    if low * high <= 0.0 or near <= FAR_FROM_ZERO * far:
-        return 0.0, place.peak
-    return (low + high) / 2.0, (high - low) / 2.0
+    if is_far_from_zero(low, high):
+        return (low + high) / 2.0, (high - low) / 2.0
+    return 0.0, place.peak
 
 
 def _has_free(place: OutputPlace, *, factor: bool) -> bool:
