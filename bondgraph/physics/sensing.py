@@ -25,7 +25,10 @@ class SensorScale(AbstractPhysics):
     word = "sensor_scale"
     reference = "gain error of a sensor"
     passivity = Passivity.SIGNAL
-    signature = "everything it reads in proportion; other sensors do not see it"
+    signature = (
+        "everything it reads in proportion, a temperature in degrees Celsius; other "
+        "sensors do not see it"
+    )
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it for outputs without a fitted factor of their own."""
