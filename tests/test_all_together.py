@@ -53,3 +53,10 @@ def test_of_all_others_nothing_is_said(one, size):
 def test_nothing_is_said_where_there_is_no_such_fit():
     assert doubted_together([finding()], None) == [finding()]
     assert told(finding(), ("mass", 1.0, 0.1)) == [finding()]
+
+
+def test_what_held_out_recordings_speak_against_is_not_doubted_twice():
+    together = SimpleNamespace(estimates=numbers(("size", 0.05, 0.1)))
+    (one,) = doubted_together([finding()], together, stands=False)
+    assert one.probability == pytest.approx(0.8)
+    assert "no number of it" in one.statement

@@ -27,7 +27,7 @@ WHY = (
 
 
 def doubted_together(
-    findings: Sequence[Finding], everywhere: FitResult | None
+    findings: Sequence[Finding], everywhere: FitResult | None, *, stands: bool = True
 ) -> list[Finding]:
     """Return the findings, less probable where no number of the last fit tells them.
 
@@ -35,12 +35,15 @@ def doubted_together(
     ----------
     everywhere
         The fit to all recordings; None where there is none.
+    stands
+        Whether held-out recordings have given no reason to doubt already.
     """
     if everywhere is None:
         return list(findings)
+    share = GONE if stands else 1.0
     last = {estimate.name: estimate for estimate in everywhere.estimates}
     return [
-        less_probable(one, GONE, WHY) if _is_gone(one, last) else one
+        less_probable(one, share, WHY) if _is_gone(one, last) else one
         for one in findings
     ]
 

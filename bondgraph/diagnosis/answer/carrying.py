@@ -8,10 +8,23 @@ from bondgraph.diagnosis.search.base.horizons import SAME
 HALVED, UNMOVED = 0.5, 0.95
 """What halves the errors it was fitted to and leaves so much of held-out ones fits."""
 
+NEARLY_ALL, MISSED = 0.1, 2.0
+"""What leaves less than this share of the errors it was fitted to, and not half of the
+held-out ones gone, which are then so many times larger, carries over in part only. Of
+54 answers told with 55 of 100 and more two were so: a drifting sensor told of a leak,
+and a spring beside dry friction that was none.
+"""
+
 SPOILT = 1.2
 """Where held-out errors grow by more than this factor, what was found is not the cause,
 whatever the training recordings say.
 """
+
+
+IN_PART = (
+    " But more than half of the held-out error is left {}, where next to nothing is of "
+    "what it was fitted to: what was found carries over in part only."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +75,31 @@ class Shown:
         spoilt = self.held_out.after.nrmse > SPOILT * self.held_out.before.nrmse
         return not spoilt and (self.left_open or not self.idle)
 
+    @property
+    def missed(self) -> tuple[str, ...]:
+        """What is missed of what was kept back, where it keeps half of its errors.
+
+        None where not nearly all of what it was fitted to is explained.
+        """
+        trained, held_out = self.trained, self.held_out
+        nearly = trained.after.nrmse < NEARLY_ALL * trained.before.nrmse
+        if not (nearly and held_out.after.nrmse > HALVED * held_out.before.nrmse):
+            return ()
+        there = trained.after.rmse
+        return tuple(
+            n for n, size in held_out.after.rmse.items() if size > MISSED * there[n]
+        )
+
+    @property
+    def in_part_only(self) -> bool:
+        """Whether what was found carries over in part only."""
+        return bool(self.missed) and not (self.helps_in_stretches or self.left_open)
+
+    @property
+    def stands(self) -> bool:
+        """Whether held-out recordings give no reason to doubt what was found."""
+        return self.carries_over and not self.in_part_only
+
 
 def worse_held_out(
     verdict: Verdict, statement: str, shown: Shown
@@ -76,9 +114,10 @@ def worse_held_out(
     before, after = shown.held_out.before.nrmse, shown.held_out.after.nrmse
     told_something = verdict in (Verdict.PHYSICS_MISSING, Verdict.UNEXPLAINED)
     worse = after > SAME * before
-    if not told_something or not (worse or shown.idle):
-        return verdict, statement
     became = f"({100 * before:.3g} % became {100 * after:.3g} %)"
+    if not told_something or not (worse or shown.idle):
+        partly = told_something and shown.in_part_only
+        return verdict, statement + IN_PART.format(became) if partly else statement
     if shown.stretches is not None and shown.helps_in_stretches:
         over = (
             f"({100 * shown.stretches.before.nrmse:.3g} % became "

@@ -1,4 +1,4 @@
-"""Whether held-out recordings say anything where they are predicted no better.
+"""Whether held-out recordings say anything where they are predicted hardly better.
 
 A recording that goes where no other has gone, a kettle twice as hot, may be missed for
 what was not known of the model's own numbers. That says nothing against what was found.
@@ -19,7 +19,8 @@ def is_left_open(
     final: FittedModel, held_out: Sequence[BoundRecording], shown: Shown
 ) -> bool:
     """Return whether open numbers alone may miss held-out recordings by as much."""
-    if not shown.idle:
+    names = shown.idle or shown.missed
+    if not names:
         return False
     std, missed = prediction_std(final, held_out), shown.held_out.after.rmse
-    return all(missed[name] <= REACH * std[name] for name in shown.idle)
+    return all(missed[name] <= REACH * std[name] for name in names)

@@ -82,12 +82,12 @@ def answer(
     named = any(one.physics != CURVE for one in told)
     away = driven_away(graph, before.estimates, after.estimates) if named else ()
     within = not away and not ended_at_bounds(graph, after.estimates)
-    told = doubted(told, left, carried=shown.carries_over, within=within)
+    told = doubted(told, left, carried=shown.stands, within=within)
     turns = turns_of(base.problem.model, recordings)
     findings = doubted_at_turns(_doubted_as_recorded(told, rounds), turns)
     everything = (*recordings, *held_out)
     everywhere = None if late else _delivered(graph, final, everything, options)
-    findings = doubted_together(findings, everywhere)
+    findings = doubted_together(findings, everywhere, stands=shown.stands)
     wrong = contradicted(graph, after.estimates)
     verdict, statement = concluded(
         rounds, findings, wrong, left, shown, recordings, options
