@@ -9,7 +9,8 @@ As in the proof, a place that the answer calls not told from the one it names co
 named; a finding of which no number is known counts as nothing. These two rules were
 added with the first answers that needed them, and on 2026-11-30 two more: a compliance
 that is not of the concealed size, to a factor of three, is another one; and how fast
-something swings is no number of it, where its inertia is none.
+something swings is no number of it, where its inertia is none; and on 2026-12-01 a
+fifth: a spring against the ground gives way nowhere between motor and load.
 """
 
 import json
@@ -47,8 +48,8 @@ FORMS = ("mode_frequency_", "mode_damping_")
 
 FAMILY = {
     "worm": ("friction", "drag", "hysteresis"),
-    "tendons": ("compliance", "spring", "backlash"),
-    "link": ("compliance", "spring", "backlash"),
+    "tendons": ("compliance", "backlash"),
+    "link": ("compliance", "backlash"),
     "filter": ("lag", "delay"),
 }
 """What other words would be the same sort of thing."""
