@@ -127,6 +127,15 @@ def test_a_law_that_a_curve_mends_is_told_to_be_a_piece_of_it(monkeypatch):
     assert mended.probability == pytest.approx(0.5 * alone.probability)
 
 
+def test_a_law_that_is_found_twice_at_one_place_is_doubted(monkeypatch):
+    (alone,) = said(lambda speed: 3.0 * speed * np.abs(speed)).findings
+    # As if a later round had found the same once more.
+    monkeypatch.setattr(found_there, "Counter", lambda laws: dict.fromkeys(laws, 2))
+    (twice,) = said(lambda speed: 3.0 * speed * np.abs(speed)).findings
+    assert "It is said twice of one place" in twice.statement
+    assert twice.probability == pytest.approx(0.5 * alone.probability)
+
+
 @pytest.mark.parametrize("drag", [0.0, 3.0])
 def test_what_named_laws_explain_needs_no_curve(drag):
     found = said(

@@ -277,6 +277,12 @@ CASES = [
         {"warming": 0.5, "warming_time": 0.8},
     ),
     Case(
+        "dc_drive",
+        "TemperatureDependentGyrator",
+        "k_m",
+        {"warming": -0.3, "warming_time": 2.5},
+    ),
+    Case(
         "wheel", "SpeedLimit", "shaft", {"flow_limit": 4.0, "flow_limit_steepness": 1.0}
     ),
     Case("slider", "SensorBias", "position", {"sensor_bias": 0.01}),

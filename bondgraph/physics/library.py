@@ -46,7 +46,11 @@ from bondgraph.physics.position import (
 from bondgraph.physics.ratio import Eccentricity
 from bondgraph.physics.relaxation import StoreAmid, StoreBehind
 from bondgraph.physics.sensing import SensorBias, SensorNonlinearity, SensorScale
-from bondgraph.physics.thermal import Radiation, TemperatureDependentResistance
+from bondgraph.physics.thermal import (
+    Radiation,
+    TemperatureDependentGyrator,
+    TemperatureDependentResistance,
+)
 from bondgraph.physics.unknown import UnknownRelation
 from bondgraph.physics.viscoelastic import RelaxingSpring
 from bondgraph.physics.wiring import InputSwap, SensorSwap
@@ -92,6 +96,7 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     Eccentricity(),
     SaturatingInertia(),
     TemperatureDependentResistance(),
+    TemperatureDependentGyrator(),
     SpeedLimit(),
     SensorBias(),
     SensorScale(),

@@ -1,18 +1,23 @@
-"""Heat: radiation, and resistances that change as they warm."""
+"""Heat: radiation, and resistances and magnets that change as they warm."""
 
 from collections.abc import Iterator
 
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import HEAT, E, F, Place
+from bondgraph.physics.places.base import HEAT, MOTION, E, F, Place
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import ZeroJunctionPlace
 from bondgraph.structure.domains import ELECTRICAL, THERMAL
 from bondgraph.structure.edits import SignalState
-from bondgraph.structure.elements import Compliance, Resistance, ZeroJunction
+from bondgraph.structure.elements import (
+    Compliance,
+    Gyrator,
+    Resistance,
+    ZeroJunction,
+)
 from bondgraph.structure.graph import FinishedGraph
-from bondgraph.structure.signals import displacement, e, effort, flow
+from bondgraph.structure.signals import displacement, e, effort, flow, t
 
 ICE = 273.15
 ROOM = 293.15
@@ -53,6 +58,8 @@ FILAMENTS_WARM, BODIES_WARM = 0.01, 2.0
 """Seconds: no wire is warm sooner than the first; no bearing, damper or filter is warm,
 or dirty, sooner than the second.
 """
+WARM_UPS = (0.03, 0.1, 0.3, 1.0)
+"""Times that fits of a warm-up start from, as shares of what one recording lasts."""
 
 
 class TemperatureDependentResistance(AbstractPhysics):
@@ -80,7 +87,7 @@ class TemperatureDependentResistance(AbstractPhysics):
             return
         yield self._by_use(place)
         for body in _bodies(place.graph):
-            yield self._by_body(place, body)
+            yield _by_body(self, place, body)
 
     def _quickest(self, place: ElementPlace) -> float:
         """Return the least time in which it may warm."""
@@ -95,23 +102,10 @@ class TemperatureDependentResistance(AbstractPhysics):
         edit = place.replace(law, a)
         return self.hypothesis(place, edit, law, (a,), words, also=place.junctions)
 
-    def _by_body(self, place: ElementPlace, body: str) -> Hypothesis:
-        temperature = effort(body)
-        typical = place.scales.of(temperature.name)
-        absolute = typical > COLD
-        zero = place.constant(f"usual_at_{body}", "K", ROOM if absolute else 0.0)
-        some = 0.2 / (ROOM if absolute else typical)
-        stem = f"temperature_slope_{body}"
-        a = place.strength(stem, "1/K", (0.0, some))
-        law = place.usual_law * (1 + a.symbol * (temperature - zero.symbol))
-        words = f"{place.name} changes with the temperature of {body}"
-        edit = place.replace(law, a, zero)
-        return self.hypothesis(place, edit, law, (a, zero), words, also=place.junctions)
-
     def _by_use(self, place: ElementPlace) -> Hypothesis:
         some = 0.2 / (place.effort * place.flow)
         stretch = place.scales.stretch
-        times = tuple(share * stretch for share in (0.03, 0.1, 0.3, 1.0))
+        times = tuple(share * stretch for share in WARM_UPS)
         h = place.strength("warming", place.per("1", E, F), (0.0,) * 4 + (some,))
         tau = place.shape("warming_time", "s", times * 2, low=self._quickest(place))
         name = place.name_of("rise")
@@ -124,6 +118,78 @@ class TemperatureDependentResistance(AbstractPhysics):
             words = f"{place.name} changes by what it has borne: warmth, wear or dirt"
         edit = place.replace(law, h, tau, states=(SignalState(name, rate),))
         return self.hypothesis(place, edit, law, (h, tau), words, also=place.junctions)
+
+
+class TemperatureDependentGyrator(AbstractPhysics):
+    """A motor constant that changes as the losses of the winding warm its magnets.
+
+    Its rise x follows those losses, late: x' = (h f^2 - x) / tau with the winding's
+    current f, and the law is the constant times 1 + x. What is warm or cold from before
+    recovers, whatever the winding does: x falls from what it is as a recording begins.
+    Where the model has bodies that hold heat, the magnets may be as warm as they are.
+    """
+
+    word = "temperature_dependent_gyrator"
+    reference = "remanence with a temperature coefficient; first-order warm-up"
+    passivity = Passivity.STORING
+    signature = "a torque per current that drifts over minutes; taken for friction"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it for every GY between a winding and what it moves."""
+        if not isinstance(place, ElementPlace):
+            return
+        if not isinstance(place.element, Gyrator):
+            return
+        domains = {place.graph.domain_at(name): name for name in place.junctions}
+        winding = domains.get(ELECTRICAL, "")
+        if not winding or not MOTION & domains.keys():
+            return
+        if place.is_one_junction(winding):
+            yield self._by_use(place, winding)
+        yield self._from_before(place)
+        for body in _bodies(place.graph):
+            yield _by_body(self, place, body)
+
+    def _by_use(self, place: ElementPlace, winding: str) -> Hypothesis:
+        current = flow(winding)
+        stretch = place.scales.stretch
+        times = tuple(share * stretch for share in WARM_UPS)
+        weaker = -0.1 / place.scales.of(current.name) ** 2
+        h = place.strength("warming", "1/A^2", (0.0,) * 4 + (weaker,))
+        least = max(0.003 * stretch, BODIES_WARM)
+        tau = place.shape("warming_time", "s", times * 2, low=least)
+        name = place.name_of("rise")
+        rate = (h.symbol * current**2 - displacement(name)) / tau.symbol
+        law = place.usual_law * (1 + displacement(name))
+        words = f"{place.name} changes as its magnets warm or cool"
+        edit = place.replace(law, h, tau, states=(SignalState(name, rate),))
+        return self.hypothesis(place, edit, law, (h, tau), words, also=place.junctions)
+
+    def _from_before(self, place: ElementPlace) -> Hypothesis:
+        stretch = place.scales.stretch
+        times = tuple(share * stretch for share in WARM_UPS)
+        x = place.strength("beginning", "1", (0.0,) * 4 + (-0.1,))
+        least = max(0.003 * stretch, BODIES_WARM)
+        tau = place.shape("recovery_time", "s", times * 2, low=least)
+        law = place.usual_law * (1 + x.symbol * sympy.exp(-t / tau.symbol))
+        words = f"{place.name} is another one as a recording begins, and recovers"
+        edit = place.replace(law, x, tau)
+        return self.hypothesis(place, edit, law, (x, tau), words, also=place.junctions)
+
+
+def _by_body(physics: AbstractPhysics, place: ElementPlace, body: str) -> Hypothesis:
+    """Return that an element is another one where a body of the model is warm."""
+    temperature = effort(body)
+    typical = place.scales.of(temperature.name)
+    absolute = typical > COLD
+    zero = place.constant(f"usual_at_{body}", "K", ROOM if absolute else 0.0)
+    some = 0.2 / (ROOM if absolute else typical)
+    stem = f"temperature_slope_{body}"
+    a = place.strength(stem, "1/K", (0.0, some))
+    law = place.usual_law * (1 + a.symbol * (temperature - zero.symbol))
+    words = f"{place.name} changes with the temperature of {body}"
+    edit = place.replace(law, a, zero)
+    return physics.hypothesis(place, edit, law, (a, zero), words, also=place.junctions)
 
 
 def _bodies(graph: FinishedGraph) -> list[str]:

@@ -404,6 +404,17 @@ SCENES: Mapping[str, Scene] = {
         seconds=60.0,
         step=0.02,
     ),
+    "TemperatureDependentGyrator": Scene(
+        machine=machines.winding,
+        place="k_m",
+        values={"warming": -0.1, "warming_time": 15.0},
+        drive={"voltage": lambda t: 3.0 * np.sin(1.5 * t)},
+        output="current",
+        across="flow(winding)",
+        up="effort(k_m>shaft)",
+        seconds=60.0,
+        step=0.02,
+    ),
     "SpeedLimit": Scene(
         **_PUSHED, values={"flow_limit": 1.2, "flow_limit_steepness": 60.0}
     ),

@@ -1,5 +1,6 @@
 """Findings, with what speaks for each and what cannot be told from it."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -26,7 +27,12 @@ ONE_RELATION, HALF = (
     " The curve beside it goes along the same variable: the two may be one relation.",
     0.5,
 )
-"""What is said of a law that a curve mends, and how much of its probability is left."""
+"""What is said of a law that a curve mends, and how much of its probability is left
+where two findings may be one.
+"""
+
+SAID_TWICE = " It is said twice of one place: the two may be one relation."
+"""What is said where a law was found beside itself: at its place it only comes near."""
 
 MENDS_SHAPE = (
     " It takes away little beside what was found before, and may only mend its shape."
@@ -57,10 +63,11 @@ def findings_of(
     others: dict[str, Sequence[Judged]] = {}
     laws = [one.chosen for one in made if one.chosen is not None]
     shares = shares_of(made, left)
-    there = {(chosen.physics, chosen.place) for chosen in laws}
+    there = Counter((chosen.physics, chosen.place) for chosen in laws)
     for found, chosen, share in zip(made, laws, shares, strict=True):
         # What was found as well is not what a finding may be instead.
-        elsewhere = there - {(chosen.physics, chosen.place)}
+        own = (chosen.physics, chosen.place)
+        elsewhere = there.keys() - {own}
         close = [
             j
             for j in alternatives_to(chosen, found.judged, options.rule)
@@ -71,6 +78,8 @@ def findings_of(
         alike = [one.place for one in curves if one.physics == chosen.physics]
         rivals = () if alike else curves
         finding = _finding(chosen, close, alike, after, proportion)
+        of_one = _of_one_relation(is_mended=chosen is mended, times=there[own])
+        part = HALF if of_one else 1.0
         findings.append(
             replace(
                 finding,
@@ -78,7 +87,7 @@ def findings_of(
                 + nearest(found)
                 + comes_near(near)
                 + _as_well(rivals)
-                + (ONE_RELATION if chosen is mended else "")
+                + of_one
                 + (MENDS_SHAPE if share < MERE_SHAPE else ""),
                 alternatives=(
                     *(shown(j, held_out) for j in close),
@@ -86,11 +95,18 @@ def findings_of(
                     *(shown(one, held_out) for one in rivals[:1]),
                     *hardly_supported(found, options, held_out),
                 ),
-                probability=_sure(found, share * (HALF if chosen is mended else 1.0)),
+                probability=_sure(found, share * part),
             )
         )
         others[finding.element] = close
     return findings, others
+
+
+def _of_one_relation(*, is_mended: bool, times: int) -> str:
+    """Return what is said of a law that may be one relation with another finding."""
+    if is_mended:
+        return ONE_RELATION
+    return SAID_TWICE if times > 1 else ""
 
 
 def _finding(

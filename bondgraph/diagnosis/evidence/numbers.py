@@ -12,6 +12,7 @@ FORMS = (
     "mode_frequency",
     "mode_damping",
     "warming_time",
+    "recovery_time",
     "fill_time",
     "relaxation_time",
     "induced_time",
