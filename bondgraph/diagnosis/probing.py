@@ -154,7 +154,7 @@ def measure_scales(fitted: FittedModel) -> Scales:
         bonds = [f"{quantity}({b.name})" for b in graph.bonds_at(junction.name)]
         told = [sizes[bond] for bond in bonds if bond in sizes]
         sizes[f"{quantity}({junction.name})"] = max(told, default=0.0)
-    interval = _interval(shots)
+    interval = shots.interval
     return Scales(
         sizes,
         {name: (float(np.nanmin(x)), float(np.nanmax(x))) for name, x in known.items()},
@@ -205,12 +205,6 @@ def _between(
             shares = [float(k.xreplace(numbers)) * found[n] for n, k in factors.items()]
             between[own] = np.sum(shares, axis=0)
     return between
-
-
-def _interval(shots: Shots) -> float:
-    """Return the median time between samples; 0 where every window has only one."""
-    steps = np.concatenate([np.diff(shots.time[part]) for part in shots.slices])
-    return float(np.median(steps)) if steps.size else 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -70,6 +70,12 @@ class Shots:
         """The windows as slices."""
         return tuple(slice(a, b) for a, b in pairwise(self.edges))
 
+    @cached_property
+    def interval(self) -> float:
+        """Median time between samples; 0 where every window has only one."""
+        steps = np.concatenate([np.diff(self.time[part]) for part in self.slices])
+        return float(np.median(steps)) if steps.size else 0.0
+
     def subset(self, windows: NDArray[np.int64], most: int | None = None) -> "Shots":
         """Return the windows numbered `windows`, each cut after `most` samples."""
         parts = [self.slices[w] for w in windows]

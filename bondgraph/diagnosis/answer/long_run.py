@@ -46,7 +46,7 @@ def off_in_the_long_run(
     return (
         f"Over windows of {_seconds(base):.3g} s, each from a state of its own, the "
         "model leaves hardly more than noise. But over whole recordings, refitted to "
-        f"them, it misses {worst} by {100 * share[worst]:.0f} % of what it varies by, "
+        f"them, it misses {worst} by {100 * share[worst]:.2g} % of what it varies by, "
         f"{ratio[worst]:.1f} times its noise: a slow disturbance that was not "
         "recorded, or slow physics that no law tried here describes."
     )

@@ -24,8 +24,11 @@ SIZEABLE = 0.1
 FORETOLD = 0.5
 """Of the noise floor: a model that leaves less has foretold what is no noise."""
 
-SLOWLY = 0.05
-"""And what whole recordings are missed by where windows of them are not."""
+SLOWLY = 0.015
+"""Whole recordings that are missed by less, where windows are not, show nothing slow.
+
+Rounding of a command adds up on a machine that integrates, and looks like a dead zone.
+"""
 
 
 def noise_floor(recordings: Sequence[BoundRecording]) -> dict[str, float]:

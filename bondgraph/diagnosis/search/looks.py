@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate
-from bondgraph.diagnosis.evidence.leftover import noise_floor, too_large
+from bondgraph.diagnosis.evidence.leftover import SLOWLY, noise_floor, too_large
 from bondgraph.diagnosis.search.base.beginnings import Known
 from bondgraph.diagnosis.search.base.beyond_noise import within
 from bondgraph.diagnosis.search.base.horizons import sharpened
@@ -41,12 +41,6 @@ from bondgraph.structure.graph import FinishedGraph
 Array = NDArray[np.float64]
 CLEARLY = 0.9
 """An error of whole recordings below this share of another's is clearly smaller."""
-
-SHOWS = 0.015
-"""Of an output's spread: whole recordings that are missed by less show nothing slow.
-
-Rounding of a command adds up on a machine that integrates, and looks like a dead zone.
-"""
 
 AS_WINDOWS = 1.3
 """What whole recordings are left with, over what windows are: more is a disturbance."""
@@ -160,7 +154,7 @@ def second_look(
     long = known.fitted_again(base)
     if all(goes_on_growing(one, recordings) for one in (base, long)):
         return first
-    if too_large(long, noise_floor(recordings), SHOWS) is None:
+    if too_large(long, noise_floor(recordings), SLOWLY) is None:
         return first
     least = _whole_error(long, recordings)
     best, reached = first, min(first.error(recordings), least)

@@ -9,8 +9,9 @@ tells how steep an edge or how rigid a stop is says only that it is as steep as 
 Two equal times look undetermined: near there only their sum shows, to first order. But
 neither can be none. So a time that its standard error does not tell from none is set to
 none, and the rest fitted: where that does clearly worse the time is there. Not where
-the model's own fit has run away: from there that says nothing. Nor may it do as well at
-the longest that it may be: a state that never fades is a constant of each recording.
+the model's own fit has run away, unless the law brings it back: from there that says
+nothing. Nor may it do as well at the longest that it may be: a state that never fades
+is a constant of each recording.
 """
 
 from collections.abc import Sequence
@@ -19,7 +20,7 @@ from dataclasses import replace
 import numpy as np
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate, Rejected
-from bondgraph.diagnosis.search.base.runaway import run_away
+from bondgraph.diagnosis.search.base.runaway import FAR, run_away
 from bondgraph.fitting.certainty.uncertainty import uncertainty
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.levenberg_marquardt import minimise
@@ -67,7 +68,7 @@ def determined(
     for candidate in candidates:
         slip = candidate.hypothesis.is_slip
         told = _undetermined(candidate) <= known or _is_told(candidate, base)
-        told |= _remembers(candidate) and not run_away(base)
+        told |= _remembers(candidate) and not _stays_away(candidate, base)
         if not (slip or told) or _is_too_late(candidate):
             others.append(Rejected(candidate.hypothesis, REASON))
         elif _without_memory(candidate, base):
@@ -139,13 +140,24 @@ def _without_memory(candidate: Candidate, base: FittedModel) -> bool:
     fitted = candidate.fitted
     problem, stds = fitted.problem, uncertainty(fitted.problem, fitted.optimum).std
     for k in _times(candidate):
-        value, low = float(fitted.optimum.theta[k]), problem.low[problem.free[k]]
-        if value <= LEAST * float(low):
+        value = float(fitted.optimum.theta[k])
+        if value <= LEAST * float(problem.low[problem.free[k]]):
             return True
         known = stds[k] <= abs(value)
-        if not known and (run_away(base) or not _worse_at(fitted, k, low)):
+        away = not known and _stays_away(candidate, base)
+        if not known and (away or not _worse_without(fitted, k)):
             return True
     return False
+
+
+def _stays_away(candidate: Candidate, base: FittedModel) -> bool:
+    """Return whether what has run away without the law is as far with it."""
+    values = candidate.fitted.values
+    return any(
+        not 1.0 / FAR < values[name] / stated < FAR
+        for name, stated in run_away(base).items()
+        if name in values
+    )
 
 
 def _remembers(candidate: Candidate) -> bool:
@@ -156,8 +168,7 @@ def _remembers(candidate: Candidate) -> bool:
     own[list(times)] = False
     if not times or null[:, own].max(initial=0.0) > TRACE:
         return False
-    low = fitted.problem.low[fitted.problem.free]
-    return all(_worse_at(fitted, k, low[k]) for k in times)
+    return all(_worse_without(fitted, k) for k in times)
 
 
 def _times(candidate: Candidate) -> tuple[int, ...]:
@@ -169,6 +180,16 @@ def _times(candidate: Candidate) -> tuple[int, ...]:
         for k, name in enumerate(fitted.problem.free_names)
         if name in own and parameters[name].unit == "s"
     )
+
+
+def _worse_without(fitted: FittedModel, k: int) -> bool:
+    """Return whether the model does clearly worse where a time of it is none.
+
+    As short as it may be, but no shorter than a sample: steps do not follow what is.
+    """
+    problem = fitted.problem
+    low = float(problem.low[problem.free[k]])
+    return _worse_at(fitted, k, max(low, problem.shots.interval))
 
 
 def _worse_at(fitted: FittedModel, k: int, time: float) -> bool:
