@@ -34,12 +34,6 @@ something slow by chance, of what machines outside the library leave 29 % and mo
 DOUBTFUL = 0.05
 """Where noise would follow the machine no less so seldom, it may not be noise."""
 
-FAR = 10.0
-"""Times the white part of the noise. Coloured noise is larger than its white part, but
-three times where each sample keeps 95 % of the last. Of 21 answers on file that nothing
-is missing one left more than ten times: a motor that starts late.
-"""
-
 MANY = 1000
 """Beyond it, how many times the noise says more of the noise than of the model."""
 
@@ -156,24 +150,17 @@ def _followed(checked: Adequacy | None) -> str | None:
 
 def _large_and_slow(base: FittedModel, floor: Mapping[str, float]) -> str | None:
     """Return what to say of a residual too large for noise that follows nothing."""
-    worst = too_large(base, floor) or _far_beyond(base, floor)
+    worst = too_large(base, floor)
     if worst is None:
         return None
     share = residual_over_spread(base)[worst]
     ratio = residual_over_noise(base, floor)[worst]
     return (
-        f"The residual of {worst} is {100 * share:.2g} % of what it varies by "
+        f"The residual of {worst} is {100 * share:.0f} % of what it varies by "
         f"and {_times(ratio)} its noise, yet it follows nothing that the "
         "machine is seen to do: an input that was not recorded, or physics with a "
         "memory that these channels do not show."
     )
-
-
-def _far_beyond(base: FittedModel, floor: Mapping[str, float]) -> str | None:
-    """Return the output whose residual is too many times its noise to be a sensor's."""
-    ratios = residual_over_noise(base, floor)
-    worst = max(ratios, key=lambda name: ratios[name], default=None)
-    return None if worst is None or ratios[worst] <= FAR else worst
 
 
 def _seldom(
