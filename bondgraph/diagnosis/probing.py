@@ -13,6 +13,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.lasting import lasting
 from bondgraph.diagnosis.ringing import ringing
 from bondgraph.equations.deriving.derivation import derive
 from bondgraph.equations.state_equations import State
@@ -169,6 +170,7 @@ def measure_scales(fitted: FittedModel) -> Scales:
             name: _tenths(values)
             for name, values in zip(names, shots.inputs.T, strict=True)
         },
+        lasting=lasting(shots.time, known),
         begin=float(shots.time.min()),
     )
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.in_time import WARM_UPS, in_time
 from bondgraph.physics.places.base import HEAT, MOTION, E, F, Place
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import ZeroJunctionPlace
@@ -17,7 +18,7 @@ from bondgraph.structure.elements import (
     ZeroJunction,
 )
 from bondgraph.structure.graph import FinishedGraph
-from bondgraph.structure.signals import displacement, e, effort, flow, t
+from bondgraph.structure.signals import displacement, e, effort, flow
 
 ICE = 273.15
 ROOM = 293.15
@@ -58,17 +59,16 @@ FILAMENTS_WARM, BODIES_WARM = 0.01, 2.0
 """Seconds: no wire is warm sooner than the first; no bearing, damper or filter is warm,
 or dirty, sooner than the second.
 """
-WARM_UPS = (0.03, 0.1, 0.3, 1.0)
-"""Times that fits of a warm-up start from, as shares of what one recording lasts."""
 
 
 class TemperatureDependentResistance(AbstractPhysics):
     """A resistance that changes as its own losses warm it.
 
     Its rise x follows the power it takes, late: x' = (h e f - x) / tau, and the law is
-    that of the resistance times 1 + x. A winding's grows, a lubricant's falls. A wall
-    between two temperatures has their mean. Where the model has bodies that hold heat,
-    it may be as warm as one of them.
+    that of the resistance times 1 + x. A winding's grows, a lubricant's falls. Or it
+    changes in the course of a recording, whatever it takes. A wall between two
+    temperatures has their mean. Where the model has bodies that hold heat, it may be as
+    warm as one of them.
     """
 
     word = "temperature_dependent_resistance"
@@ -86,13 +86,9 @@ class TemperatureDependentResistance(AbstractPhysics):
             yield self._by_place(place)
             return
         yield self._by_use(place)
+        yield from in_time(self, place, place.junctions[0], _quickest(place))
         for body in _bodies(place.graph):
             yield _by_body(self, place, body)
-
-    def _quickest(self, place: ElementPlace) -> float:
-        """Return the least time in which it may warm."""
-        least = FILAMENTS_WARM if place.domain == ELECTRICAL else BODIES_WARM
-        return max(0.003 * place.scales.stretch, least)
 
     def _by_place(self, place: ElementPlace) -> Hypothesis:
         temperature = _mean_temperature(place)
@@ -107,7 +103,7 @@ class TemperatureDependentResistance(AbstractPhysics):
         stretch = place.scales.stretch
         times = tuple(share * stretch for share in WARM_UPS)
         h = place.strength("warming", place.per("1", E, F), (0.0,) * 4 + (some,))
-        tau = place.shape("warming_time", "s", times * 2, low=self._quickest(place))
+        tau = place.shape("warming_time", "s", times * 2, low=_quickest(place))
         name = place.name_of("rise")
         power = effort(place.name) * flow(place.name)
         rate = (h.symbol * power - displacement(name)) / tau.symbol
@@ -124,9 +120,9 @@ class TemperatureDependentGyrator(AbstractPhysics):
     """A motor constant that changes as the losses of the winding warm its magnets.
 
     Its rise x follows those losses, late: x' = (h f^2 - x) / tau with the winding's
-    current f, and the law is the constant times 1 + x. What is warm or cold from before
-    recovers, whatever the winding does: x falls from what it is as a recording begins.
-    Where the model has bodies that hold heat, the magnets may be as warm as they are.
+    current f, and the law is the constant times 1 + x. Or it changes in the course of a
+    recording, whatever the winding does. Where the model has bodies that hold heat, the
+    magnets may be as warm as they are.
     """
 
     word = "temperature_dependent_gyrator"
@@ -146,7 +142,7 @@ class TemperatureDependentGyrator(AbstractPhysics):
             return
         if place.is_one_junction(winding):
             yield self._by_use(place, winding)
-        yield self._from_before(place)
+            yield from in_time(self, place, winding, _quickest(place, BODIES_WARM))
         for body in _bodies(place.graph):
             yield _by_body(self, place, body)
 
@@ -156,8 +152,9 @@ class TemperatureDependentGyrator(AbstractPhysics):
         times = tuple(share * stretch for share in WARM_UPS)
         weaker = -0.1 / place.scales.of(current.name) ** 2
         h = place.strength("warming", "1/A^2", (0.0,) * 4 + (weaker,))
-        least = max(0.003 * stretch, BODIES_WARM)
-        tau = place.shape("warming_time", "s", times * 2, low=least)
+        tau = place.shape(
+            "warming_time", "s", times * 2, low=_quickest(place, BODIES_WARM)
+        )
         name = place.name_of("rise")
         rate = (h.symbol * current**2 - displacement(name)) / tau.symbol
         law = place.usual_law * (1 + displacement(name))
@@ -165,16 +162,12 @@ class TemperatureDependentGyrator(AbstractPhysics):
         edit = place.replace(law, h, tau, states=(SignalState(name, rate),))
         return self.hypothesis(place, edit, law, (h, tau), words, also=place.junctions)
 
-    def _from_before(self, place: ElementPlace) -> Hypothesis:
-        stretch = place.scales.stretch
-        times = tuple(share * stretch for share in WARM_UPS)
-        x = place.strength("beginning", "1", (0.0,) * 4 + (-0.1,))
-        least = max(0.003 * stretch, BODIES_WARM)
-        tau = place.shape("recovery_time", "s", times * 2, low=least)
-        law = place.usual_law * (1 + x.symbol * sympy.exp(-t / tau.symbol))
-        words = f"{place.name} is another one as a recording begins, and recovers"
-        edit = place.replace(law, x, tau)
-        return self.hypothesis(place, edit, law, (x, tau), words, also=place.junctions)
+
+def _quickest(place: ElementPlace, least: float | None = None) -> float:
+    """Return the least time in which it may warm, as a wire or a body by its domain."""
+    if least is None:
+        least = FILAMENTS_WARM if place.domain == ELECTRICAL else BODIES_WARM
+    return max(0.003 * place.scales.stretch, least)
 
 
 def _by_body(physics: AbstractPhysics, place: ElementPlace, body: str) -> Hypothesis:
