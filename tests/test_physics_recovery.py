@@ -282,6 +282,7 @@ CASES = [
         "k_m",
         {"warming": -0.3, "warming_time": 2.5},
     ),
+    Case("slider", "ParameterDrift", "mass", {"drift": 0.05}),
     Case(
         "wheel", "SpeedLimit", "shaft", {"flow_limit": 4.0, "flow_limit_steepness": 1.0}
     ),

@@ -9,9 +9,11 @@ from collections.abc import Iterator
 
 import sympy
 
-from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis
-from bondgraph.physics.places.base import E, F
+from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.places.base import E, F, Place
 from bondgraph.physics.places.element import ElementPlace
+from bondgraph.structure.elements import Compliance, Inertance, Transformer
+from bondgraph.structure.nodes import is_linear
 from bondgraph.structure.signals import t
 
 WARM_UPS = (0.03, 0.1, 0.3, 1.0)
@@ -21,28 +23,63 @@ MOST = 0.9
 """Of its value an element loses at most over the longest recording."""
 
 
+class ParameterDrift(AbstractPhysics):
+    """A store or a ratio that changes evenly in the course of a recording.
+
+    A hopper that empties, a reel that fills, an air spring that loses its air: x (1 + a
+    t) in place of the number x of a linear I, C or TF, slowly beside its motion.
+    """
+
+    word = "parameter_drift"
+    reference = "Isermann, Fault-Diagnosis Systems 2006, section 5: drifting parameters"
+    passivity = Passivity.SOURCE
+    signature = "early fits late badly and late early; each by itself fits well"
+
+    def propose(self, place: Place) -> Iterator[Hypothesis]:
+        """Yield it for every linear I, C or TF where what passes comes back."""
+        if not isinstance(place, ElementPlace):
+            return
+        element = place.element
+        if not isinstance(element, Inertance | Compliance | Transformer):
+            return
+        if is_linear(element) and _comes_back(place, place.junctions[0]):
+            yield _evenly(self, place)
+
+
 def in_time(
     physics: AbstractPhysics, place: ElementPlace, junction: str, least: float
 ) -> Iterator[Hypothesis]:
     """Yield that an element changes evenly, or recovers from how it begins.
 
+    Only where what passes there is known to come back.
+
     Parameters
     ----------
     junction
-        What passes there has to come back.
+        Where what passes has to come back.
     least
         Seconds in which it recovers at least.
     """
-    common = F if place.is_one_junction(junction) else E
-    if f"{common}({junction})" in place.scales.lasting:
+    if place.scales.lasting is not None and _comes_back(place, junction):
         yield _evenly(physics, place)
         yield _recovering(physics, place, least)
+
+
+def _comes_back(place: ElementPlace, junction: str) -> bool:
+    """Return whether what a junction has in common is late as it was early.
+
+    Also if that is not known.
+    """
+    common, known = F if place.is_one_junction(junction) else E, place.scales.lasting
+    return known is None or f"{common}({junction})" in known
 
 
 def _evenly(physics: AbstractPhysics, place: ElementPlace) -> Hypothesis:
     stretch = place.scales.stretch
     a = place.strength("drift", "1/s", (0.0, 0.2 / stretch), low=-MOST / stretch)
-    law = place.usual_law * (1 + a.symbol * (t - place.scales.begin))
+    larger = 1 + a.symbol * (t - place.scales.begin)
+    stores = isinstance(place.element, Inertance | Compliance)
+    law = place.usual_law / larger if stores else place.usual_law * larger
     words = f"{place.name} changes evenly with time, whatever passes through it"
     edit = place.replace(law, a)
     return physics.hypothesis(place, edit, law, (a,), words, also=place.junctions)

@@ -28,6 +28,7 @@ from bondgraph.physics.friction import (
 )
 from bondgraph.physics.hypothesis import AbstractPhysics
 from bondgraph.physics.hysteresis import BoucWenHysteresis, DahlHysteresis
+from bondgraph.physics.in_time import ParameterDrift
 from bondgraph.physics.induction import InducedCurrent
 from bondgraph.physics.inertia import AddedInertia, SaturatingInertia
 from bondgraph.physics.leakage import Bypass, Leak, Slip
@@ -97,6 +98,7 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     SaturatingInertia(),
     TemperatureDependentResistance(),
     TemperatureDependentGyrator(),
+    ParameterDrift(),
     SpeedLimit(),
     SensorBias(),
     SensorScale(),

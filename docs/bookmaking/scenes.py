@@ -415,6 +415,16 @@ SCENES: Mapping[str, Scene] = {
         seconds=60.0,
         step=0.02,
     ),
+    "ParameterDrift": Scene(
+        machine=machines.oscillator,
+        place="mass",
+        values={"drift": -0.04},
+        drive={"force": lambda t: 10.0 * np.sin(3.0 * t) + 12.0 * np.sin(8.0 * t)},
+        output="position",
+        across="flow(mass)",
+        up="momentum(mass)",
+        seconds=20.0,
+    ),
     "SpeedLimit": Scene(
         **_PUSHED, values={"flow_limit": 1.2, "flow_limit_steepness": 60.0}
     ),

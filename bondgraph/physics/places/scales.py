@@ -37,7 +37,8 @@ class Scales:
         In how many tenths of its largest size an input has been, by name; all where
         not known.
     lasting
-        The signals that go on all through a recording as they began, by name.
+        The signals that go on all through a recording as they began, by name; None
+        where that is not known.
     begin
         When the earliest recording begins, in seconds on its own clock.
     """
@@ -50,7 +51,7 @@ class Scales:
     least: Mapping[str, float] = field(default_factory=dict)
     ringing: tuple[float, ...] = ()
     tenths: Mapping[str, int] = field(default_factory=dict)
-    lasting: frozenset[str] = frozenset()
+    lasting: frozenset[str] | None = None
     begin: float = 0.0
 
     def at(self, quantity: Quantity, place: str, default: float = 1.0) -> float:
