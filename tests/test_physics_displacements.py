@@ -169,6 +169,33 @@ def test_what_goes_rigidly_with_another_has_no_springs_of_its_own_but_its_own_tu
     assert proposed("drum") == {"spring", "end_stop", "gravity", "cogging"}
 
 
+def test_nothing_repeats_along_how_far_a_spring_is_stretched():
+    g = BondGraph("two carts", domain="translation")
+    g.one("near", Se("push"), I("m_near"), C("buffer"))
+    g.zero("between")
+    g.one("stretch", C("rope"), R("rope_loss"))
+    g.one("far", I("m_far"))
+    g.join("near", "between")
+    g.join("between", "stretch")
+    g.join("between", "far")
+    g.measure("far_place", displacement="far")
+    for name, unit in (
+        ("m_near", "kg"),
+        ("m_far", "kg"),
+        ("buffer", "m/N"),
+        ("rope", "m/N"),
+        ("rope_loss", "N*s/m"),
+    ):
+        g.parameter(name, 1.0, unit)
+    graph = g.finish()
+    found = {
+        place.name
+        for place in all_places(graph, Scales())
+        if list(Cogging().propose(place))
+    }
+    assert found == {"near", "far"}
+
+
 def test_what_waits_is_what_has_to_be_reached():
     g = BondGraph("cart", domain="translation")
     g.one("cart", Se("force"), I("m"), R("b"))

@@ -264,11 +264,12 @@ class Cogging(AbstractPhysics):
 
         Whole numbers per turn are tried on a shaft that turns round (once per turn is
         gravity's law), numbers of periods over the way elsewhere: halves of them, for
-        between two numbers that differ by one a fit does not find its way.
+        between two numbers that differ by one a fit does not find its way. Nothing
+        repeats along how far a spring is stretched.
         """
         if not isinstance(place, OneJunctionPlace) or not self.suits(place):
             return
-        if place.displacement_signal is None:
+        if place.displacement_signal is None or place.gives:
             return
         low, high = place.displacement_range
         turns = place.domain == ROTATION and high - low > 2.0 * math.pi

@@ -18,6 +18,8 @@ from bondgraph.structure.elements import (
     Node,
     OneJunction,
     OnePort,
+    Resistance,
+    ZeroJunction,
 )
 from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.nodes import is_linear
@@ -165,6 +167,17 @@ class OneJunctionPlace(JunctionPlace):
         """Whether there is a displacement here that is no other's in proportion."""
         parts = known_displacement(self.graph, self.name)
         return parts is not None and (len(parts) > 1 or self.name in parts)
+
+    @property
+    def gives(self) -> bool:
+        """Whether its motion is how far a spring between two motions is stretched.
+
+        There are springs, and losses, and else only what it lies between.
+        """
+        between = [n for n in self.neighbours if not isinstance(n, Compliance)]
+        ties = [n for n in between if not isinstance(n, Resistance)]
+        springs = len(between) < len(self.neighbours)
+        return springs and bool(ties) and all(isinstance(n, ZeroJunction) for n in ties)
 
     @property
     def reverses(self) -> bool:
