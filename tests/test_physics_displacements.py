@@ -26,7 +26,13 @@ from bondgraph.physics.library import LIBRARY
 from bondgraph.physics.places.displacements import known_displacement
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
-from bondgraph.physics.position import Cogging, EndStop, Gravity, Spring
+from bondgraph.physics.position import (
+    Cogging,
+    EndStop,
+    Gravity,
+    HardeningSpring,
+    Spring,
+)
 from bondgraph.structure.signals import parameter_symbol
 
 UPPER, LOWER = displacement("upper"), displacement("lower")
@@ -188,12 +194,19 @@ def test_nothing_repeats_along_how_far_a_spring_is_stretched():
     ):
         g.parameter(name, 1.0, unit)
     graph = g.finish()
-    found = {
-        place.name
-        for place in all_places(graph, Scales())
-        if list(Cogging().propose(place))
-    }
-    assert found == {"near", "far"}
+
+    def rippled(graph):
+        return {
+            place.name
+            for place in all_places(graph, Scales())
+            if list(Cogging().propose(place))
+        }
+
+    assert rippled(graph) == {"near", "far"}
+    # Nor where a law of that stretch has been found.
+    (stretch,) = (p for p in all_places(graph, Scales()) if p.name == "stretch")
+    softer = next(HardeningSpring().propose(stretch))
+    assert rippled(softer.apply(graph)) == {"near", "far"}
 
 
 def test_what_waits_is_what_has_to_be_reached():

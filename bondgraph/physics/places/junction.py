@@ -172,12 +172,19 @@ class OneJunctionPlace(JunctionPlace):
     def gives(self) -> bool:
         """Whether its motion is how far a spring between two motions is stretched.
 
-        There are springs, and losses, and else only what it lies between.
+        There are springs, and what follows that motion, and else only what it lies
+        between.
         """
-        between = [n for n in self.neighbours if not isinstance(n, Compliance)]
-        ties = [n for n in between if not isinstance(n, Resistance)]
-        springs = len(between) < len(self.neighbours)
+        springs = any(isinstance(node, Compliance) for node in self.neighbours)
+        ties = [node for node in self.neighbours if not self._follows(node)]
         return springs and bool(ties) and all(isinstance(n, ZeroJunction) for n in ties)
+
+    def _follows(self, node: Node) -> bool:
+        """Return whether a node gives an effort by the motion here alone."""
+        if isinstance(node, EffortSource) and node.value is not None:
+            read = signals_in(node.value)
+            return bool(read) and all(signal.place == self.name for signal in read)
+        return isinstance(node, Compliance | Resistance)
 
     @property
     def reverses(self) -> bool:
