@@ -41,7 +41,7 @@ def cart():
     return graph.finish()
 
 
-def pushed(seed, *, drag_grows=0.0, mass_grows=0.0):
+def pushed(seed, *, drag_grows=0.0, mass_grows=0.0, push_grows=0.0):
     """Return a recording of a cart of which a number grows by a share per second."""
     rng = np.random.default_rng(seed)
     push = np.repeat(rng.uniform(-30.0, 30.0, COUNT // 25), 25)
@@ -54,7 +54,8 @@ def pushed(seed, *, drag_grows=0.0, mass_grows=0.0):
             now = STEP * (k + j / fine)
             speed = momentum / (MASS * (1.0 + mass_grows * now))
             lost = DRAG * (1.0 + drag_grows * now) * speed
-            momentum += STEP / fine * (u - lost - place / SPRING)
+            momentum += STEP / fine * (u * (1.0 + push_grows * now) - lost)
+            momentum -= STEP / fine * place / SPRING
             place += STEP / fine * momentum / (MASS * (1.0 + mass_grows * now))
     read = np.array(told) + 1e-3 * rng.normal(size=COUNT)
     channels = {"push": (push, "N"), "position": (read, "m")}
@@ -67,8 +68,9 @@ def pushed(seed, *, drag_grows=0.0, mass_grows=0.0):
     [
         ({"drag_grows": 0.05}, TemperatureDependentResistance(), "drift_drag"),
         ({"mass_grows": 0.02}, ParameterDrift(), "drift_mass"),
+        ({"push_grows": -0.01}, ParameterDrift(), "drift_push"),
     ],
-    ids=["a loss", "a store"],
+    ids=["a loss", "a store", "a battery that sags"],
 )
 def test_a_number_that_grows_with_time_is_found_at_its_place(grows, physics, name):
     laws = (CoulombFriction(), QuadraticDrag(), TemperatureDependentResistance())

@@ -283,6 +283,7 @@ CASES = [
         {"warming": -0.3, "warming_time": 2.5},
     ),
     Case("slider", "ParameterDrift", "mass", {"drift": 0.05}),
+    Case("slider", "ParameterDrift", "force", {"drift": 0.05}),
     Case(
         "wheel", "SpeedLimit", "shaft", {"flow_limit": 4.0, "flow_limit_steepness": 1.0}
     ),

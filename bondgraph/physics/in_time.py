@@ -10,7 +10,8 @@ from collections.abc import Iterator
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import E, F, Place
+from bondgraph.physics.places.base import Coefficient, E, F, Place
+from bondgraph.physics.places.channels import InputPlace
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.structure.elements import Compliance, Inertance, Transformer
 from bondgraph.structure.nodes import is_linear
@@ -24,10 +25,11 @@ MOST = 0.9
 
 
 class ParameterDrift(AbstractPhysics):
-    """A store or a ratio that changes evenly in the course of a recording.
+    """A store, a ratio or a drive that changes evenly in the course of a recording.
 
     A hopper that empties, a reel that fills, an air spring that loses its air: x (1 + a
-    t) in place of the number x of a linear I, C or TF, slowly beside its motion.
+    t) in place of the number x of a linear I, C or TF, slowly beside its motion. Or in
+    place of an input x: a battery that sags, a pump that wears.
     """
 
     word = "parameter_drift"
@@ -36,7 +38,9 @@ class ParameterDrift(AbstractPhysics):
     signature = "early fits late badly and late early; each by itself fits well"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for every linear I, C or TF where what passes comes back."""
+        """Yield it for inputs, and linear I, C and TF, where what passes comes back."""
+        if isinstance(place, InputPlace) and _may_come_back(place, place.signal.name):
+            yield self._less_and_less(place)
         if not isinstance(place, ElementPlace):
             return
         element = place.element
@@ -44,6 +48,12 @@ class ParameterDrift(AbstractPhysics):
             return
         if is_linear(element) and _comes_back(place, place.junctions[0]):
             yield _evenly(self, place)
+
+    def _less_and_less(self, place: InputPlace) -> Hypothesis:
+        a = _drift(place)
+        law = place.signal * (1 + a.symbol * (t - place.scales.begin))
+        words = f"{place.name} does in proportion more or less, evenly with time"
+        return self.hypothesis(place, place.become(law, a), law, (a,), words)
 
 
 def in_time(
@@ -70,13 +80,23 @@ def _comes_back(place: ElementPlace, junction: str) -> bool:
 
     Also if that is not known.
     """
-    common, known = F if place.is_one_junction(junction) else E, place.scales.lasting
-    return known is None or f"{common}({junction})" in known
+    common = F if place.is_one_junction(junction) else E
+    return _may_come_back(place, f"{common}({junction})")
+
+
+def _may_come_back(place: Place, signal: str) -> bool:
+    """Return whether a signal comes back, or that is not known."""
+    return place.scales.lasting is None or signal in place.scales.lasting
+
+
+def _drift(place: Place) -> Coefficient:
+    """Return the share per second by which what is there changes."""
+    stretch = place.scales.stretch
+    return place.strength("drift", "1/s", (0.0, 0.2 / stretch), low=-MOST / stretch)
 
 
 def _evenly(physics: AbstractPhysics, place: ElementPlace) -> Hypothesis:
-    stretch = place.scales.stretch
-    a = place.strength("drift", "1/s", (0.0, 0.2 / stretch), low=-MOST / stretch)
+    a = _drift(place)
     larger = 1 + a.symbol * (t - place.scales.begin)
     stores = isinstance(place.element, Inertance | Compliance)
     law = place.usual_law / larger if stores else place.usual_law * larger

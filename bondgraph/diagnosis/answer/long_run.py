@@ -70,10 +70,10 @@ def lost_over_whole(
     ):
         return ()
     return (
-        "The least disturbance of this machine goes on growing: without its controller "
-        "no whole recording can be simulated, and the errors over whole recordings "
-        f"say nothing. It is judged over windows of {_seconds(final):.3g} s, each from "
-        "a state of its own.",
+        "In this model the least disturbance goes on growing: without the machine's "
+        "controller no whole recording can be simulated, and the errors over whole "
+        f"recordings say nothing. It is judged over windows of {_seconds(final):.3g} "
+        "s, each from a state of its own.",
     )
 
 
