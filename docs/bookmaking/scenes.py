@@ -412,6 +412,7 @@ SCENES: Mapping[str, Scene] = {
         output="current",
         across="flow(winding)",
         up="effort(k_m>shaft)",
+        left="r",
         seconds=60.0,
         step=0.02,
     ),
@@ -423,6 +424,7 @@ SCENES: Mapping[str, Scene] = {
         output="position",
         across="flow(mass)",
         up="momentum(mass)",
+        left="f",
         seconds=20.0,
     ),
     "SpeedLimit": Scene(
