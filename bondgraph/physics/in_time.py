@@ -20,6 +20,9 @@ from bondgraph.structure.signals import t
 WARM_UPS = (0.03, 0.1, 0.3, 1.0)
 """Times that fits of a warm-up start from, as shares of what one recording lasts."""
 
+SILENT = (0.0,) * len(WARM_UPS)
+"""A strength where each of these is tried without effect, before one with some."""
+
 MOST = 0.9
 """Of its value an element loses at most over the longest recording."""
 
@@ -33,7 +36,7 @@ class ParameterDrift(AbstractPhysics):
     """
 
     word = "parameter_drift"
-    reference = "Isermann, Fault-Diagnosis Systems 2006, section 5: drifting parameters"
+    reference = "Isermann, Fault-Diagnosis Systems 2006: parameters that drift"
     passivity = Passivity.SOURCE
     signature = "early fits late badly and late early; each by itself fits well"
 
@@ -50,8 +53,8 @@ class ParameterDrift(AbstractPhysics):
             yield _evenly(self, place)
 
     def _less_and_less(self, place: InputPlace) -> Hypothesis:
-        a = _drift(place)
-        law = place.signal * (1 + a.symbol * (t - place.scales.begin))
+        a, grown = _drift(place)
+        law = place.signal * grown
         words = f"{place.name} does in proportion more or less, evenly with time"
         return self.hypothesis(place, place.become(law, a), law, (a,), words)
 
@@ -89,17 +92,23 @@ def _may_come_back(place: Place, signal: str) -> bool:
     return place.scales.lasting is None or signal in place.scales.lasting
 
 
-def _drift(place: Place) -> Coefficient:
-    """Return the share per second by which what is there changes."""
+def warm_ups(place: Place) -> tuple[float, ...]:
+    """Return the seconds in which something may warm, cool or clog."""
+    return tuple(share * place.scales.stretch for share in WARM_UPS)
+
+
+def _drift(place: Place) -> tuple[Coefficient, sympy.Expr]:
+    """Return the share by which what is there grows a second, and how it has grown."""
     stretch = place.scales.stretch
-    return place.strength("drift", "1/s", (0.0, 0.2 / stretch), low=-MOST / stretch)
+    starts = (0.0, 0.2 / stretch)
+    a = place.strength("drift", "1/s", starts, low=-MOST / stretch)
+    return a, 1 + a.symbol * (t - place.scales.begin)
 
 
 def _evenly(physics: AbstractPhysics, place: ElementPlace) -> Hypothesis:
-    a = _drift(place)
-    larger = 1 + a.symbol * (t - place.scales.begin)
+    a, grown = _drift(place)
     stores = isinstance(place.element, Inertance | Compliance)
-    law = place.usual_law / larger if stores else place.usual_law * larger
+    law = place.usual_law / grown if stores else place.usual_law * grown
     words = f"{place.name} changes evenly with time, whatever passes through it"
     edit = place.replace(law, a)
     return physics.hypothesis(place, edit, law, (a,), words, also=place.junctions)
@@ -108,9 +117,8 @@ def _evenly(physics: AbstractPhysics, place: ElementPlace) -> Hypothesis:
 def _recovering(
     physics: AbstractPhysics, place: ElementPlace, least: float
 ) -> Hypothesis:
-    times = tuple(share * place.scales.stretch for share in WARM_UPS)
-    x = place.strength("beginning", "1", (0.0,) * 4 + (0.1,), low=-MOST)
-    tau = place.shape("recovery_time", "s", times * 2, low=least)
+    x = place.strength("beginning", "1", (*SILENT, 0.1), low=-MOST)
+    tau = place.shape("recovery_time", "s", warm_ups(place) * 2, low=least)
     passed = t - place.scales.begin
     law = place.usual_law * (1 + x.symbol * sympy.exp(-passed / tau.symbol))
     words = f"{place.name} is another one as a recording begins, and recovers"

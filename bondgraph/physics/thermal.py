@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.in_time import WARM_UPS, in_time
-from bondgraph.physics.places.base import HEAT, MOTION, E, F, Place
+from bondgraph.physics.in_time import SILENT, in_time, warm_ups
+from bondgraph.physics.places.base import HEAT, MOTION, Coefficient, E, F, Place
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import ZeroJunctionPlace
 from bondgraph.structure.domains import ELECTRICAL, THERMAL
@@ -100,20 +100,13 @@ class TemperatureDependentResistance(AbstractPhysics):
 
     def _by_use(self, place: ElementPlace) -> Hypothesis:
         some = 0.2 / (place.effort * place.flow)
-        stretch = place.scales.stretch
-        times = tuple(share * stretch for share in WARM_UPS)
-        h = place.strength("warming", place.per("1", E, F), (0.0,) * 4 + (some,))
-        tau = place.shape("warming_time", "s", times * 2, low=_quickest(place))
-        name = place.name_of("rise")
+        h = place.strength("warming", place.per("1", E, F), (*SILENT, some))
         power = effort(place.name) * flow(place.name)
-        rate = (h.symbol * power - displacement(name)) / tau.symbol
-        law = place.usual_law * (1 + displacement(name))
         words = f"{place.name} changes as it warms"
         if place.domain != ELECTRICAL:
             # No temperature is seen, and a filter that clogs looks the same.
             words = f"{place.name} changes by what it has borne: warmth, wear or dirt"
-        edit = place.replace(law, h, tau, states=(SignalState(name, rate),))
-        return self.hypothesis(place, edit, law, (h, tau), words, also=place.junctions)
+        return _warmed(self, place, h, power, _quickest(place), words)
 
 
 class TemperatureDependentGyrator(AbstractPhysics):
@@ -141,26 +134,41 @@ class TemperatureDependentGyrator(AbstractPhysics):
         if not winding or not MOTION & domains.keys():
             return
         if place.is_one_junction(winding):
-            yield self._by_use(place, winding)
-            yield from in_time(self, place, winding, _quickest(place, BODIES_WARM))
+            least = _quickest(place, BODIES_WARM)
+            yield self._by_use(place, winding, least)
+            yield from in_time(self, place, winding, least)
         for body in _bodies(place.graph):
             yield _by_body(self, place, body)
 
-    def _by_use(self, place: ElementPlace, winding: str) -> Hypothesis:
+    def _by_use(self, place: ElementPlace, winding: str, least: float) -> Hypothesis:
         current = flow(winding)
-        stretch = place.scales.stretch
-        times = tuple(share * stretch for share in WARM_UPS)
         weaker = -0.1 / place.scales.of(current.name) ** 2
-        h = place.strength("warming", "1/A^2", (0.0,) * 4 + (weaker,))
-        tau = place.shape(
-            "warming_time", "s", times * 2, low=_quickest(place, BODIES_WARM)
-        )
-        name = place.name_of("rise")
-        rate = (h.symbol * current**2 - displacement(name)) / tau.symbol
-        law = place.usual_law * (1 + displacement(name))
+        h = place.strength("warming", "1/A^2", (*SILENT, weaker))
         words = f"{place.name} changes as its magnets warm or cool"
-        edit = place.replace(law, h, tau, states=(SignalState(name, rate),))
-        return self.hypothesis(place, edit, law, (h, tau), words, also=place.junctions)
+        return _warmed(self, place, h, current**2, least, words)
+
+
+def _warmed(
+    physics: AbstractPhysics,
+    place: ElementPlace,
+    h: Coefficient,
+    heat: sympy.Expr,
+    least: float,
+    words: str,
+) -> Hypothesis:
+    """Return that an element changes by a rise x of its own: x' = (h heat - x) / tau.
+
+    Parameters
+    ----------
+    least
+        Seconds in which it warms at least.
+    """
+    tau = place.shape("warming_time", "s", warm_ups(place) * 2, low=least)
+    name = place.name_of("rise")
+    rate = (h.symbol * heat - displacement(name)) / tau.symbol
+    law = place.usual_law * (1 + displacement(name))
+    edit = place.replace(law, h, tau, states=(SignalState(name, rate),))
+    return physics.hypothesis(place, edit, law, (h, tau), words, also=place.junctions)
 
 
 def _quickest(place: ElementPlace, least: float | None = None) -> float:

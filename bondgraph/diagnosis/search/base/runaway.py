@@ -27,5 +27,10 @@ def run_away(fitted: FittedModel, times: float = FAR) -> dict[str, float]:
     return {
         name: value
         for name, value in began.items()
-        if value and not 1.0 / times < fitted.values[name] / value < times
+        if value and is_far(fitted.values[name], value, times)
     }
+
+
+def is_far(value: float, stated: float, times: float = FAR) -> bool:
+    """Return whether a value is so many times larger or smaller than what is stated."""
+    return not 1.0 / times < value / stated < times

@@ -20,7 +20,7 @@ from dataclasses import replace
 import numpy as np
 
 from bondgraph.diagnosis.candidates import CURVE, Candidate, Rejected
-from bondgraph.diagnosis.search.base.runaway import FAR, run_away
+from bondgraph.diagnosis.search.base.runaway import is_far, run_away
 from bondgraph.fitting.certainty.uncertainty import uncertainty
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.levenberg_marquardt import minimise
@@ -154,7 +154,7 @@ def _stays_away(candidate: Candidate, base: FittedModel) -> bool:
     """Return whether what has run away without the law is as far with it."""
     values = candidate.fitted.values
     return any(
-        not 1.0 / FAR < values[name] / stated < FAR
+        is_far(values[name], stated)
         for name, stated in run_away(base).items()
         if name in values
     )
