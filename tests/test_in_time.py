@@ -1,4 +1,4 @@
-"""What changes in the course of a recording, where what passes through comes back."""
+"""What changes with time, evenly or at one moment, where what passes comes back."""
 
 import numpy as np
 import pytest
@@ -19,14 +19,17 @@ from bondgraph import (
 from bondgraph.diagnosis.lasting import lasting
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.physics.bias import ConstantBias
 from bondgraph.physics.drag import QuadraticDrag
 from bondgraph.physics.friction import CoulombFriction
 from bondgraph.physics.in_time import ParameterDrift
+from bondgraph.physics.moments import DisturbanceStep, ParameterStep
 from bondgraph.physics.places.everywhere import all_places
 from bondgraph.physics.places.scales import Scales
 from bondgraph.physics.thermal import TemperatureDependentResistance
 
 STEP, COUNT = 0.01, 2000
+MOMENT = 8.3
 MASS, DRAG, SPRING = 2.0, 6.0, 0.02
 SETTINGS = FitSettings(hold=Hold.ZERO)
 
@@ -41,8 +44,14 @@ def cart():
     return graph.finish()
 
 
-def pushed(seed, *, drag_grows=0.0, mass_grows=0.0, push_grows=0.0):
-    """Return a recording of a cart of which a number grows by a share per second."""
+def pushed(
+    seed, *, drag_grows=0.0, mass_grows=0.0, push_grows=0.0, drag_steps=0.0, held=0.0
+):
+    """Return a recording of a cart of which a number grows by a share per second.
+
+    Or of which the drag grows by a share, or that is held back by a force, from
+    `MOMENT` on.
+    """
     rng = np.random.default_rng(seed)
     push = np.repeat(rng.uniform(-30.0, 30.0, COUNT // 25), 25)
     fine = 20
@@ -53,7 +62,9 @@ def pushed(seed, *, drag_grows=0.0, mass_grows=0.0, push_grows=0.0):
         for j in range(fine):
             now = STEP * (k + j / fine)
             speed = momentum / (MASS * (1.0 + mass_grows * now))
-            lost = DRAG * (1.0 + drag_grows * now) * speed
+            late = now >= MOMENT
+            lost = DRAG * (1.0 + drag_grows * now + drag_steps * late) * speed
+            lost += held * late
             momentum += STEP / fine * (u * (1.0 + push_grows * now) - lost)
             momentum -= STEP / fine * place / SPRING
             place += STEP / fine * momentum / (MASS * (1.0 + mass_grows * now))
@@ -85,6 +96,38 @@ def test_a_number_that_grows_with_time_is_found_at_its_place(grows, physics, nam
     assert size.value == pytest.approx(sum(grows.values()), rel=0.1)
 
 
+@pytest.mark.parametrize(
+    ("happens", "word", "names"),
+    [
+        ({"drag_steps": 0.5}, "parameter_step", ("step_drag", "moment_drag")),
+        ({"held": 4.0}, "disturbance_step", ("step_carriage", "moment_carriage")),
+    ],
+    ids=["a loss", "a load"],
+)
+def test_what_happens_at_one_moment_is_found_with_its_moment(happens, word, names):
+    drifting = (TemperatureDependentResistance(), ParameterDrift(), ConstantBias())
+    library = (CoulombFriction(), *drifting, ParameterStep(), DisturbanceStep())
+    options = Options(library=library, settings=SETTINGS)
+    runs = [pushed(seed, **happens) for seed in (1, 2)]
+    answer = diagnose(cart(), runs, held_out=[pushed(3, **happens)], options=options)
+    assert answer.verdict is Verdict.PHYSICS_MISSING
+    (found,) = answer.findings
+    assert found.physics == word
+    size, moment = found.estimates
+    assert (size.name, moment.name) == names
+    assert abs(size.value) == pytest.approx(sum(happens.values()), rel=0.05)
+    assert moment.value == pytest.approx(MOMENT, abs=STEP)
+
+
+def test_nothing_is_told_to_happen_where_nothing_does():
+    library = (CoulombFriction(), ParameterStep(), DisturbanceStep())
+    options = Options(library=library, settings=SETTINGS)
+    answer = diagnose(
+        cart(), [pushed(1), pushed(2)], held_out=[pushed(3)], options=options
+    )
+    assert answer.verdict is Verdict.ADEQUATE
+
+
 def test_a_number_that_stays_is_not_told_to_drift():
     (law,) = _proposed(ParameterDrift(), "mass", frozenset({"flow(carriage)"}))
     graph = law.apply(cart())
@@ -96,6 +139,9 @@ def test_it_is_not_asked_for_where_nothing_comes_back():
     often = frozenset({"flow(carriage)"})
     assert len(_proposed(ParameterDrift(), "spring", often)) == 1
     assert not _proposed(ParameterDrift(), "spring", frozenset())
+    for physics, place in (ParameterStep(), "drag"), (DisturbanceStep(), "carriage"):
+        assert _proposed(physics, place, often)
+        assert not _proposed(physics, place, frozenset())
     warms = TemperatureDependentResistance()
     more = len(_proposed(warms, "drag", often)) - len(
         _proposed(warms, "drag", frozenset())

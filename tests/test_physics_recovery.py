@@ -284,6 +284,9 @@ CASES = [
     ),
     Case("slider", "ParameterDrift", "mass", {"drift": 0.05}),
     Case("slider", "ParameterDrift", "force", {"drift": 0.05}),
+    Case("slider", "ParameterStep", "mass", {"step": 0.3, "moment": 2.2}),
+    Case("slider", "ParameterStep", "force", {"step": -0.2, "moment": 3.1}),
+    Case("slider", "DisturbanceStep", "carriage", {"step": 2.0, "moment": 2.2}),
     Case(
         "wheel", "SpeedLimit", "shaft", {"flow_limit": 4.0, "flow_limit_steepness": 1.0}
     ),
@@ -297,7 +300,9 @@ CASES = [
         {"sensor_bias": 0.01, "sensor_drift": -0.003},
         2,
     ),
+    Case("slider", "SensorBias", "position", {"sensor_jump": 0.01, "moment": 2.2}, 3),
     Case("slider", "SensorScale", "position", {"sensor_scale": 1.1}),
+    Case("slider", "SensorScale", "position", {"sensor_gain_drift": 0.05}, 2),
     Case("slider", "InputScale", "force", {"input_scale": 0.9}),
     Case("heaters", "InputScale", "heater1", {"share_lost_to_heater2": 0.3}, 4),
     Case("slider", "Lag", "force", {"lag": 0.05}),

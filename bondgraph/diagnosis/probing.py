@@ -170,7 +170,8 @@ def measure_scales(fitted: FittedModel) -> Scales:
             name: _tenths(values)
             for name, values in zip(names, shots.inputs.T, strict=True)
         },
-        lasting=lasting(shots.time, known),
+        # Rows of a table come in no order.
+        lasting=lasting(shots.time, known) if interval else frozenset(),
         begin=float(shots.time.min()),
     )
 

@@ -9,8 +9,15 @@ import sympy
 
 from bondgraph.physics.places.base import Coefficient, Place
 from bondgraph.structure.domains import EnergyDomain
-from bondgraph.structure.edits import ConnectJunctions, CoupleJunctions, GraphEdit
-from bondgraph.structure.edits.elements import InsertElement
+from bondgraph.structure.edits import (
+    ConnectJunctions,
+    CoupleJunctions,
+    GraphEdit,
+    InsertElement,
+    ReplaceMeasurement,
+    ReplaceRelation,
+    WrapInput,
+)
 from bondgraph.structure.graph import FinishedGraph
 from bondgraph.structure.signals import e, f, p, q, signals_in
 
@@ -73,6 +80,10 @@ class Memory:
 
     state: str
     most: float
+
+
+SMOOTHED = InsertElement | ReplaceRelation | WrapInput | ReplaceMeasurement
+"""Edits whose laws may have edges that are smoothed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -214,7 +225,7 @@ class Hypothesis:
 
     def sharper(self, times: float) -> "Hypothesis":
         """Return it with its smoothed edges so many times narrower."""
-        if not self.smoothing or not isinstance(self.edit, InsertElement):
+        if not self.smoothing or not isinstance(self.edit, SMOOTHED):
             return self
         narrowed = tuple(
             replace(p, value=p.value / times)

@@ -42,18 +42,18 @@ class ParameterDrift(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it for inputs, and linear I, C and TF, where what passes comes back."""
-        if isinstance(place, InputPlace) and _may_come_back(place, place.signal.name):
+        if isinstance(place, InputPlace) and may_come_back(place, place.signal.name):
             yield self._less_and_less(place)
         if not isinstance(place, ElementPlace):
             return
         element = place.element
         if not isinstance(element, Inertance | Compliance | Transformer):
             return
-        if is_linear(element) and _comes_back(place, place.junctions[0]):
+        if is_linear(element) and comes_back(place, place.junctions[0]):
             yield _evenly(self, place)
 
     def _less_and_less(self, place: InputPlace) -> Hypothesis:
-        a, grown = _drift(place)
+        a, grown = drift(place)
         law = place.signal * grown
         words = f"{place.name} does in proportion more or less, evenly with time"
         return self.hypothesis(place, place.become(law, a), law, (a,), words)
@@ -73,21 +73,27 @@ def in_time(
     least
         Seconds in which it recovers at least.
     """
-    if place.scales.lasting is not None and _comes_back(place, junction):
+    if place.scales.lasting is not None and comes_back(place, junction):
         yield _evenly(physics, place)
         yield _recovering(physics, place, least)
 
 
-def _comes_back(place: ElementPlace, junction: str) -> bool:
+def with_number(place: ElementPlace, times: sympy.Expr) -> sympy.Expr:
+    """Return the law of a linear element whose number is so many times what it is."""
+    stores = isinstance(place.element, Inertance | Compliance)
+    return place.usual_law / times if stores else place.usual_law * times
+
+
+def comes_back(place: Place, junction: str) -> bool:
     """Return whether what a junction has in common is late as it was early.
 
     Also if that is not known.
     """
     common = F if place.is_one_junction(junction) else E
-    return _may_come_back(place, f"{common}({junction})")
+    return may_come_back(place, f"{common}({junction})")
 
 
-def _may_come_back(place: Place, signal: str) -> bool:
+def may_come_back(place: Place, signal: str) -> bool:
     """Return whether a signal comes back, or that is not known."""
     return place.scales.lasting is None or signal in place.scales.lasting
 
@@ -97,18 +103,17 @@ def warm_ups(place: Place) -> tuple[float, ...]:
     return tuple(share * place.scales.stretch for share in WARM_UPS)
 
 
-def _drift(place: Place) -> tuple[Coefficient, sympy.Expr]:
+def drift(place: Place, stem: str = "drift") -> tuple[Coefficient, sympy.Expr]:
     """Return the share by which what is there grows a second, and how it has grown."""
     stretch = place.scales.stretch
     starts = (0.0, 0.2 / stretch)
-    a = place.strength("drift", "1/s", starts, low=-MOST / stretch)
+    a = place.strength(stem, "1/s", starts, low=-MOST / stretch)
     return a, 1 + a.symbol * (t - place.scales.begin)
 
 
 def _evenly(physics: AbstractPhysics, place: ElementPlace) -> Hypothesis:
-    a, grown = _drift(place)
-    stores = isinstance(place.element, Inertance | Compliance)
-    law = place.usual_law / grown if stores else place.usual_law * grown
+    a, grown = drift(place)
+    law = with_number(place, grown)
     words = f"{place.name} changes evenly with time, whatever passes through it"
     edit = place.replace(law, a)
     return physics.hypothesis(place, edit, law, (a,), words, also=place.junctions)

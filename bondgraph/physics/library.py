@@ -35,6 +35,7 @@ from bondgraph.physics.leakage import Bypass, Leak, Slip
 from bondgraph.physics.load import LoadDependentFriction
 from bondgraph.physics.lost_motion import LostMotion
 from bondgraph.physics.modes import FlexibleMode
+from bondgraph.physics.moments import DisturbanceStep, ParameterStep
 from bondgraph.physics.one_way import DirectionDependentDamping, OneWayPassage
 from bondgraph.physics.orifice import Clamp, Overflow, SquareLaw, SquareRootOrifice
 from bondgraph.physics.position import (
@@ -99,6 +100,8 @@ LIBRARY: tuple[AbstractPhysics, ...] = (
     TemperatureDependentResistance(),
     TemperatureDependentGyrator(),
     ParameterDrift(),
+    ParameterStep(),
+    DisturbanceStep(),
     SpeedLimit(),
     SensorBias(),
     SensorScale(),

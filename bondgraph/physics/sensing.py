@@ -7,6 +7,8 @@ import sympy
 
 from bondgraph.physics.gains import in_proportion, is_far_from_zero
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
+from bondgraph.physics.in_time import drift, may_come_back
+from bondgraph.physics.moments import begun_at
 from bondgraph.physics.places.base import Coefficient, Place, Q
 from bondgraph.physics.places.channels import OutputPlace
 from bondgraph.physics.powers import raised
@@ -20,7 +22,7 @@ TOUCHES = 0.1
 
 
 class SensorScale(AbstractPhysics):
-    """A reading in another proportion than the model says."""
+    """A reading in another proportion than the model says, or one that drifts."""
 
     word = "sensor_scale"
     reference = "gain error of a sensor"
@@ -43,10 +45,15 @@ class SensorScale(AbstractPhysics):
         slipped = self.hypothesis(place, slip, law, (scale,), words)
         rest = own_values(place)
         yield replace(slipped, starts=tuple({scale.name: x, **rest} for x in SLIPS))
+        if may_come_back(place, place.name):
+            a, grown = drift(place, "sensor_gain_drift")
+            law = grown * place.signal
+            words = f"{place.name} reads in a proportion that changes evenly with time"
+            yield self.hypothesis(place, place.become(law, a), law, (a,), words)
 
 
 class SensorBias(AbstractPhysics):
-    """A reading with an offset, or one that drifts."""
+    """A reading with an offset, or one that drifts or jumps."""
 
     word = "sensor_bias"
     reference = "zero error and zero drift of a sensor"
@@ -66,18 +73,28 @@ class SensorBias(AbstractPhysics):
         if not isinstance(place, OutputPlace) or _has_free(place, factor=False):
             return
         offset = place.strength("sensor_bias", place.channel_unit)
-        drift = place.strength("sensor_drift", f"({place.channel_unit})/s")
-        drifting = drift.symbol * (t - place.scales.begin)
+        rate = place.strength("sensor_drift", f"({place.channel_unit})/s")
+        drifting = rate.symbol * (t - place.scales.begin)
         drifts = f"{place.name} drifts: what it reads is off by more and more"
         if _origin_is_free(place):
-            yield self._reads(place, drifting, drifts, drift)
+            yield self._reads(place, drifting, drifts, rate)
+            yield from self._jumping(place)
             return
         words = f"{place.name} reads with a constant offset"
         yield self._reads(place, offset.symbol, words, offset)
         if place.scales.interval:
-            yield self._reads(place, drifting, drifts, drift)
+            yield self._reads(place, drifting, drifts, rate)
             words = f"{place.name} reads with an offset that changes evenly with time"
-            yield self._reads(place, offset.symbol + drifting, words, offset, drift)
+            yield self._reads(place, offset.symbol + drifting, words, offset, rate)
+            yield from self._jumping(place)
+
+    def _jumping(self, place: OutputPlace) -> Iterator[Hypothesis]:
+        if may_come_back(place, place.name):
+            step = begun_at(place)
+            jump = place.strength("sensor_jump", place.channel_unit)
+            words = f"{place.name} jumps at one moment: it is off from then on"
+            off = jump.symbol * step.height
+            yield self._reads(place, off, words, jump, *step.own)
 
     def _reads(
         self, place: OutputPlace, off: sympy.Expr, words: str, *own: Coefficient

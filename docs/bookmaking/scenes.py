@@ -427,6 +427,18 @@ SCENES: Mapping[str, Scene] = {
         left="f",
         seconds=20.0,
     ),
+    "ParameterStep": Scene(
+        machine=machines.cart,
+        place="track",
+        output="speed",
+        drive={"force": _wave(10.0)},
+        across="flow(track)",
+        up="effort(track)",
+        values={"step": -0.6, "moment": 4.0},
+    ),
+    "DisturbanceStep": Scene(
+        **_PUSHED, up="effort(*)", values={"step": -4.0, "moment": 4.0}, cloud=True
+    ),
     "SpeedLimit": Scene(
         **_PUSHED, values={"flow_limit": 1.2, "flow_limit_steepness": 60.0}
     ),

@@ -17,6 +17,7 @@ FORMS = (
     "relaxation_time",
     "induced_time",
     "presliding",
+    "moment",
     "hysteresis_skew",
 )
 """How numbers begin that say how something goes, and not that there is any of it."""
