@@ -18,6 +18,7 @@ SEED_SETS = {
     "final_14": 1_187_561,
     "final_15": 1_254_889,
     "final_16": 1_361_407,
+    "final_17": 1_452_821,
 }
 """Final ones are opened once: `final` in the first report, `final_2` in the second,
 `final_3` in the third, `final_4` in the fourth, `final_5` in the fifth, and so on.

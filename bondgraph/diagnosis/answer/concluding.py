@@ -10,7 +10,9 @@ import numpy as np
 from bondgraph.diagnosis.adequacy.adequacy import adequacy
 from bondgraph.diagnosis.adequacy.records import Adequacy
 from bondgraph.diagnosis.answer.carrying import Shown, worse_held_out
+from bondgraph.diagnosis.answer.humming import hums
 from bondgraph.diagnosis.answer.long_run import off_in_the_long_run
+from bondgraph.diagnosis.answer.one_by_one import differs_between
 from bondgraph.diagnosis.answer.verdict import (
     cut_short,
     hardly_believed,
@@ -60,9 +62,13 @@ def concluded(
     verdict, statement = hardly_believed(verdict, statement, findings)
     verdict, statement = cut_short(verdict, statement, rounds)
     if verdict is Verdict.ADEQUATE:
-        off = off_in_the_long_run(base, recordings, floor)
+        off = off_in_the_long_run(base, recordings, floor) or hums(base)
         if off is not None:
             verdict, statement = Verdict.CANNOT_TELL, off
+    late = any(one.cut_short for one in rounds)
+    if verdict in (Verdict.UNEXPLAINED, Verdict.CANNOT_TELL) and not late:
+        differs = differs_between(base, recordings, floor)
+        statement = f"{statement} {differs}".rstrip()
     return with_values(verdict, statement, wrong) if wrong else (verdict, statement)
 
 

@@ -1,0 +1,125 @@
+"""A line is no noise: what a model leaves hums at one frequency that no input has.
+
+A rotor out of balance, the mains, a pump next door: a swing that goes on by itself
+follows nothing that was recorded, as noise does not. But noise has no frequency of its
+own.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.fitting.fitted import FittedModel
+
+Array = NDArray[np.float64]
+
+HALF = 0.5
+"""Of what is left at least, in squares, is at one frequency."""
+
+NONE = 0.01
+"""An input has a line where more of what it does than this share is there."""
+
+STANDS_OUT = 10.0
+"""And where that is so many times what is about it: steps and sweeps have no line."""
+
+ABOUT = 20
+"""Bins to both sides that are about a line."""
+
+WIDE = 2
+"""As many bins to both sides a line takes up under the taper (Hann)."""
+
+OFTEN = 6
+"""A swing that comes less often in a stretch is a slow drift."""
+
+SHORTEST = 128
+"""Samples of a stretch, in fewer of which a line and noise look alike."""
+
+EVEN = 1e-3
+"""Samples as even as this share of their interval have a spectrum."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hum:
+    """A swing in what a model leaves of one output.
+
+    Parameters
+    ----------
+    output
+        Its name.
+    frequency
+        In Hz.
+    share
+        Of the squared error.
+    amplitude
+        In the unit of the output.
+    """
+
+    output: str
+    frequency: float
+    share: float
+    amplitude: float
+
+
+def hums(base: FittedModel) -> str | None:
+    """Return what to say where what is left is one swing; None where it is not."""
+    hum = swinging(base)
+    if hum is None:
+        return None
+    unit = next(m.unit for m in base.graph.measurements if m.name == hum.output)
+    size = f"{hum.amplitude:.2g}{'' if unit == '1' else f' {unit}'}"
+    return (
+        f"What the model leaves of {hum.output} is no noise: {100 * hum.share:.0f} % "
+        f"of it swings at {hum.frequency:.4g} Hz by {size}, where no input does. "
+        "Something that was not recorded drives the machine or its sensor: a rotor "
+        "out of balance, the mains, a pump."
+    )
+
+
+def swinging(base: FittedModel) -> Hum | None:
+    """Return the clearest swing of which half of what is left is made, if any is."""
+    shots, names = base.problem.shots, base.problem.model.output_names
+    longest = max(shots.slices, key=lambda part: part.stop - part.start)
+    size = longest.stop - longest.start
+    steps = np.diff(shots.time[longest])
+    if size < SHORTEST or np.ptp(steps) > EVEN * steps.mean():
+        return None
+    whole = [part for part in shots.slices if part.stop - part.start == size]
+    residuals = np.nan_to_num(base.residuals())
+    left = _power([residuals[part] for part in whole])
+    driven = _power([shots.inputs[part] for part in whole])
+    frequency = np.fft.rfftfreq(size, steps.mean())
+    found = []
+    for name, power, own in zip(names, left.T, residuals.T, strict=True):
+        line, share = _line(power)
+        if share >= HALF and line >= OFTEN and not _is_in(driven, line):
+            amplitude = float(np.sqrt(2.0 * share * np.mean(own**2)))
+            found.append(Hum(name, float(frequency[line]), share, amplitude))
+    return max(found, key=lambda hum: hum.share, default=None)
+
+
+def _line(power: Array) -> tuple[int, float]:
+    """Return where most of the power is, and the share of it that is there."""
+    line, total = int(np.argmax(power)), float(power.sum())
+    return line, float(power[_near(line)].sum()) / total if total > 0.0 else 0.0
+
+
+def _is_in(driven: Array, line: int) -> bool:
+    """Return whether some input has a line there, too."""
+    there = driven[_near(line)]
+    about = np.median(driven[_near(line, ABOUT)], axis=0)
+    much = there.sum(axis=0) > NONE * driven.sum(axis=0)
+    return bool(np.any(much & (there.max(axis=0) > STANDS_OUT * about)))
+
+
+def _near(line: int, wide: int = WIDE) -> slice:
+    return slice(max(line - wide, 0), line + wide + 1)
+
+
+def _power(parts: list[Array]) -> Array:
+    """Return the power of signals by frequency over all parts, about their means."""
+    taper = np.hanning(len(parts[0]))[:, None]
+    power = np.zeros((len(parts[0]) // 2 + 1, parts[0].shape[1]))
+    for part in parts:
+        power += np.abs(np.fft.rfft(taper * (part - part.mean(axis=0)), axis=0)) ** 2
+    return power
