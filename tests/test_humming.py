@@ -12,13 +12,14 @@ from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.fitting.estimate import fit_model
 from bondgraph.physics.friction import CoulombFriction
+from bondgraph.physics.moments import DisturbanceStep
 
 HERTZ = 2.7
 
 
-def hummed(seed, size, shape=np.sin):
+def hummed(seed, size, shape=np.sin, **happens):
     """Return a recording of a cart with a hum of its sensor."""
-    quiet = pushed(seed)
+    quiet = pushed(seed, **happens)
     time = STEP * np.arange(COUNT)
     read = quiet.outputs[:, 0] + size * shape(2.0 * np.pi * HERTZ * time + seed)
     channels = {"push": (quiet.inputs[:, 0], "N"), "position": (read, "m")}
@@ -54,4 +55,13 @@ def test_a_model_that_leaves_a_hum_is_not_called_adequate():
     runs = [hummed(seed, 0.004) for seed in (1, 2)]
     answer = diagnose(cart(), runs, held_out=[hummed(3, 0.004)], options=options)
     assert answer.verdict is Verdict.CANNOT_TELL
+    assert "swings at 2.7 Hz" in answer.statement
+
+
+def test_a_hum_beside_what_was_found_is_told_as_well():
+    runs = [hummed(seed, 0.004, held=4.0) for seed in (1, 2, 3)]
+    options = Options(library=(DisturbanceStep(),), settings=SETTINGS)
+    answer = diagnose(cart(), runs[:2], held_out=runs[2:], options=options)
+    (found,) = answer.findings
+    assert found.physics == "disturbance_step"
     assert "swings at 2.7 Hz" in answer.statement

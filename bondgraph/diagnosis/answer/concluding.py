@@ -10,7 +10,7 @@ import numpy as np
 from bondgraph.diagnosis.adequacy.adequacy import adequacy
 from bondgraph.diagnosis.adequacy.records import Adequacy
 from bondgraph.diagnosis.answer.carrying import Shown, worse_held_out
-from bondgraph.diagnosis.answer.humming import hums
+from bondgraph.diagnosis.answer.humming import with_hum
 from bondgraph.diagnosis.answer.long_run import off_in_the_long_run
 from bondgraph.diagnosis.answer.one_by_one import differs_between
 from bondgraph.diagnosis.answer.verdict import (
@@ -32,6 +32,7 @@ from bondgraph.recordings.binding import BoundRecording
 
 def concluded(
     rounds: Sequence[Round],
+    final: FittedModel,
     findings: Sequence[Finding],
     wrong: Sequence[Finding],
     left: float,
@@ -43,6 +44,8 @@ def concluded(
 
     Parameters
     ----------
+    final
+        The model with all findings.
     findings, wrong
         Laws that were found, and stated values that the fit has left.
     left
@@ -62,9 +65,10 @@ def concluded(
     verdict, statement = hardly_believed(verdict, statement, findings)
     verdict, statement = cut_short(verdict, statement, rounds)
     if verdict is Verdict.ADEQUATE:
-        off = off_in_the_long_run(base, recordings, floor) or hums(base)
+        off = off_in_the_long_run(base, recordings, floor)
         if off is not None:
             verdict, statement = Verdict.CANNOT_TELL, off
+    verdict, statement = with_hum(verdict, statement, final)
     late = any(one.cut_short for one in rounds)
     if verdict in (Verdict.UNEXPLAINED, Verdict.CANNOT_TELL) and not late:
         differs = differs_between(base, recordings, floor)

@@ -10,7 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.records import Verdict
 from bondgraph.fitting.fitted import FittedModel
+from bondgraph.structure.units import plain_unit
 
 Array = NDArray[np.float64]
 
@@ -61,31 +63,36 @@ class Hum:
     amplitude: float
 
 
-def hums(base: FittedModel) -> str | None:
-    """Return what to say where what is left is one swing; None where it is not."""
-    hum = swinging(base)
+def with_hum(
+    verdict: Verdict, statement: str, final: FittedModel
+) -> tuple[Verdict, str]:
+    """Return the verdict where half of what is left is one swing: not `adequate`."""
+    hum = swinging(final)
     if hum is None:
-        return None
-    unit = next(m.unit for m in base.graph.measurements if m.name == hum.output)
-    size = f"{hum.amplitude:.2g}{'' if unit == '1' else f' {unit}'}"
-    return (
+        return verdict, statement
+    unit = next(m.unit for m in final.graph.measurements if m.name == hum.output)
+    size = f"{hum.amplitude:.2g}{'' if unit == '1' else f' {plain_unit(unit)}'}"
+    told = (
         f"What the model leaves of {hum.output} is no noise: {100 * hum.share:.0f} % "
         f"of it swings at {hum.frequency:.4g} Hz by {size}, where no input does. "
         "Something that was not recorded drives the machine or its sensor: a rotor "
         "out of balance, the mains, a pump."
     )
+    if verdict is Verdict.ADEQUATE:
+        return Verdict.CANNOT_TELL, told
+    return verdict, f"{statement} {told}"
 
 
-def swinging(base: FittedModel) -> Hum | None:
+def swinging(fitted: FittedModel) -> Hum | None:
     """Return the clearest swing of which half of what is left is made, if any is."""
-    shots, names = base.problem.shots, base.problem.model.output_names
+    shots, names = fitted.problem.shots, fitted.problem.model.output_names
     longest = max(shots.slices, key=lambda part: part.stop - part.start)
     size = longest.stop - longest.start
     steps = np.diff(shots.time[longest])
     if size < SHORTEST or np.ptp(steps) > EVEN * steps.mean():
         return None
     whole = [part for part in shots.slices if part.stop - part.start == size]
-    residuals = np.nan_to_num(base.residuals())
+    residuals = np.nan_to_num(fitted.residuals())
     left = _power([residuals[part] for part in whole])
     driven = _power([shots.inputs[part] for part in whole])
     frequency = np.fft.rfftfreq(size, steps.mean())

@@ -90,7 +90,7 @@ def answer(
     findings = doubted_together(findings, everywhere, stands=shown.stands)
     wrong = contradicted(graph, after.estimates)
     verdict, statement = concluded(
-        rounds, findings, wrong, left, shown, recordings, options
+        rounds, final, findings, wrong, left, shown, recordings, options
     )
     close = left_close(rounds, others, verdict)
     experiment, undesigned = (
