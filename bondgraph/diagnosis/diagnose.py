@@ -14,6 +14,7 @@ from dataclasses import replace
 from bondgraph.choices import refuse_other
 from bondgraph.diagnosis.answer.notes import notes_on_gaps
 from bondgraph.diagnosis.answer.telling import answer
+from bondgraph.diagnosis.each_alone import with_each_alone
 from bondgraph.diagnosis.evidence.leftover import excusable
 from bondgraph.diagnosis.records import Diagnosis
 from bondgraph.diagnosis.search.base.beginnings import base_fit
@@ -85,8 +86,9 @@ def diagnose(
     with workshop(chosen.where, Journal(chosen.resume), progress, limit) as shop:
         first = first_look(graph, base, recordings, noise, chosen, shop)
         seen = second_look(graph, first, recordings, noise, chosen, shop)
-    progress("simulating the held-out recordings")
-    found = answer(graph, recordings, held_out, seen.rounds, seen.final, chosen)
+        progress("simulating the held-out recordings")
+        found = answer(graph, recordings, held_out, seen.rounds, seen.final, chosen)
+        found = with_each_alone(found, graph, recordings, noise, settings, chosen, shop)
     gaps = notes_on_gaps((*recordings, *held_out))
     notes = (*found.notes, *read.notes, *kept_back.notes, *gaps)
     return replace(found, notes=notes)

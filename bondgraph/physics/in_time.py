@@ -11,11 +11,11 @@ import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Coefficient, E, F, Place
-from bondgraph.physics.places.channels import InputPlace
+from bondgraph.physics.places.channels import ChannelPlace, InputPlace
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.structure.elements import Compliance, Inertance, Transformer
 from bondgraph.structure.nodes import is_linear
-from bondgraph.structure.signals import t
+from bondgraph.structure.signals import Signal, t
 
 WARM_UPS = (0.03, 0.1, 0.3, 1.0)
 """Times that fits of a warm-up start from, as shares of what one recording lasts."""
@@ -28,11 +28,12 @@ MOST = 0.9
 
 
 class ParameterDrift(AbstractPhysics):
-    """A store, a ratio or a drive that changes evenly in the course of a recording.
+    """A number that changes evenly in the course of a recording.
 
     A hopper that empties, a reel that fills, an air spring that loses its air: x (1 + a
     t) in place of the number x of a linear I, C or TF, slowly beside its motion. Or in
-    place of an input x: a battery that sags, a pump that wears.
+    place of what an input or a sensor is told to do, x: a battery that sags, an
+    amplifier that warms.
     """
 
     word = "parameter_drift"
@@ -41,9 +42,9 @@ class ParameterDrift(AbstractPhysics):
     signature = "early fits late badly and late early; each by itself fits well"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for inputs, and linear I, C and TF, where what passes comes back."""
-        if isinstance(place, InputPlace) and may_come_back(place, place.signal.name):
-            yield self._less_and_less(place)
+        """Yield it for channels and linear I, C and TF, where what passes comes back."""
+        if isinstance(place, ChannelPlace) and channel_comes_back(place):
+            yield self._of_a_channel(place)
         if not isinstance(place, ElementPlace):
             return
         element = place.element
@@ -52,10 +53,10 @@ class ParameterDrift(AbstractPhysics):
         if is_linear(element) and comes_back(place, place.junctions[0]):
             yield _evenly(self, place)
 
-    def _less_and_less(self, place: InputPlace) -> Hypothesis:
-        a, grown = drift(place)
+    def _of_a_channel(self, place: ChannelPlace) -> Hypothesis:
+        a, grown = _drift(place)
         law = place.signal * grown
-        words = f"{place.name} does in proportion more or less, evenly with time"
+        words = f"{place.name} {does(place)} in proportion, evenly with time"
         return self.hypothesis(place, place.become(law, a), law, (a,), words)
 
 
@@ -76,6 +77,18 @@ def in_time(
     if place.scales.lasting is not None and comes_back(place, junction):
         yield _evenly(physics, place)
         yield _recovering(physics, place, least)
+
+
+def channel_comes_back(place: ChannelPlace) -> bool:
+    """Return whether what is commanded, or read, is late as it was early."""
+    own = place.signal
+    commanded = isinstance(place, InputPlace) and isinstance(own, Signal)
+    return may_come_back(place, own.name if commanded else place.name)
+
+
+def does(place: ChannelPlace) -> str:
+    """Return what a channel does more or less."""
+    return f"{'does' if isinstance(place, InputPlace) else 'reads'} more or less"
 
 
 def with_number(place: ElementPlace, times: sympy.Expr) -> sympy.Expr:
@@ -103,16 +116,16 @@ def warm_ups(place: Place) -> tuple[float, ...]:
     return tuple(share * place.scales.stretch for share in WARM_UPS)
 
 
-def drift(place: Place, stem: str = "drift") -> tuple[Coefficient, sympy.Expr]:
+def _drift(place: Place) -> tuple[Coefficient, sympy.Expr]:
     """Return the share by which what is there grows a second, and how it has grown."""
     stretch = place.scales.stretch
     starts = (0.0, 0.2 / stretch)
-    a = place.strength(stem, "1/s", starts, low=-MOST / stretch)
+    a = place.strength("drift", "1/s", starts, low=-MOST / stretch)
     return a, 1 + a.symbol * (t - place.scales.begin)
 
 
 def _evenly(physics: AbstractPhysics, place: ElementPlace) -> Hypothesis:
-    a, grown = drift(place)
+    a, grown = _drift(place)
     law = with_number(place, grown)
     words = f"{place.name} changes evenly with time, whatever passes through it"
     edit = place.replace(law, a)

@@ -12,9 +12,15 @@ from dataclasses import dataclass
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.in_time import MOST, comes_back, may_come_back, with_number
+from bondgraph.physics.in_time import (
+    MOST,
+    channel_comes_back,
+    comes_back,
+    does,
+    with_number,
+)
 from bondgraph.physics.places.base import Coefficient, E, F, Place
-from bondgraph.physics.places.channels import InputPlace
+from bondgraph.physics.places.channels import ChannelPlace
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import JunctionPlace, OneJunctionPlace
 from bondgraph.structure.elements import EffortSource, FlowSource
@@ -59,7 +65,7 @@ class ParameterStep(AbstractPhysics):
     """A number that is another one from one moment on.
 
     x (1 + a) from then on in place of the number x of a linear R, I, C, of a TF or GY,
-    or of what an input does.
+    or of what an input or a sensor does.
     """
 
     word = "parameter_step"
@@ -68,18 +74,18 @@ class ParameterStep(AbstractPhysics):
     signature = "before a moment all fits, and after it all fits with another number"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for inputs and linear elements, where what passes comes back."""
-        if isinstance(place, InputPlace) and may_come_back(place, place.signal.name):
-            yield self._of_an_input(place)
+        """Yield it for channels and linear elements, where what passes comes back."""
+        if isinstance(place, ChannelPlace) and channel_comes_back(place):
+            yield self._of_a_channel(place)
         if not isinstance(place, ElementPlace) or not is_linear(place.element):
             return
         if comes_back(place, place.junctions[0]):
             yield self._of_an_element(place)
 
-    def _of_an_input(self, place: InputPlace) -> Hypothesis:
+    def _of_a_channel(self, place: ChannelPlace) -> Hypothesis:
         grown, own = _stepped(place)
         law = place.signal * grown
-        words = f"{place.name} does in proportion more or less from one moment on"
+        words = f"{place.name} {does(place)} in proportion from one moment on"
         return self.hypothesis(place, place.become(law, *own), law, own, words)
 
     def _of_an_element(self, place: ElementPlace) -> Hypothesis:

@@ -7,7 +7,7 @@ import sympy
 
 from bondgraph.physics.gains import in_proportion, is_far_from_zero
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.in_time import drift, may_come_back
+from bondgraph.physics.in_time import may_come_back
 from bondgraph.physics.moments import begun_at
 from bondgraph.physics.places.base import Coefficient, Place, Q
 from bondgraph.physics.places.channels import OutputPlace
@@ -22,7 +22,7 @@ TOUCHES = 0.1
 
 
 class SensorScale(AbstractPhysics):
-    """A reading in another proportion than the model says, or one that drifts."""
+    """A reading in another proportion than the model says."""
 
     word = "sensor_scale"
     reference = "gain error of a sensor"
@@ -45,11 +45,6 @@ class SensorScale(AbstractPhysics):
         slipped = self.hypothesis(place, slip, law, (scale,), words)
         rest = own_values(place)
         yield replace(slipped, starts=tuple({scale.name: x, **rest} for x in SLIPS))
-        if may_come_back(place, place.name):
-            a, grown = drift(place, "sensor_gain_drift")
-            law = grown * place.signal
-            words = f"{place.name} reads in a proportion that changes evenly with time"
-            yield self.hypothesis(place, place.become(law, a), law, (a,), words)
 
 
 class SensorBias(AbstractPhysics):

@@ -1,0 +1,107 @@
+"""Each recording by itself, where all together are not explained: what happens once.
+
+A law that acts from a moment on has one moment on the clock of all recordings. Where
+something happens at another moment in each of them, or in one only, it is looked for in
+each alone. That is said and not inserted: it is no law of the machine.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bondgraph.diagnosis.records import Diagnosis, Verdict
+from bondgraph.diagnosis.search.base.beginnings import base_fit
+from bondgraph.diagnosis.search.looks import Look, explains, look
+from bondgraph.diagnosis.search.options import Options
+from bondgraph.diagnosis.search.round_found import chosen_in
+from bondgraph.diagnosis.work.workers import Workshop
+from bondgraph.errors import FitError
+from bondgraph.fitting.settings import FitSettings
+from bondgraph.physics.moments import DisturbanceStep, ParameterStep
+from bondgraph.physics.names import name_of
+from bondgraph.physics.sensing import SensorBias
+from bondgraph.recordings.binding import BoundRecording
+from bondgraph.structure.graph import FinishedGraph
+from bondgraph.structure.parameters import Parameter
+from bondgraph.structure.units import plain_unit
+
+Array = NDArray[np.float64]
+
+ONCE = (ParameterStep(), DisturbanceStep(), SensorBias())
+"""What may happen at one moment."""
+
+OPEN = (Verdict.UNEXPLAINED, Verdict.CANNOT_TELL)
+
+
+def with_each_alone(
+    found: Diagnosis,
+    graph: FinishedGraph,
+    recordings: Sequence[BoundRecording],
+    noise: Array,
+    settings: FitSettings,
+    options: Options,
+    shop: Workshop,
+) -> Diagnosis:
+    """Return the answer with what happens in single recordings, if it is open.
+
+    Parameters
+    ----------
+    noise
+        Residual per output that noise excuses.
+    settings
+        Of the fits.
+    """
+    several = len(recordings) > 1 and not any(one.steady for one in recordings)
+    if found.verdict not in OPEN or not found.complete or not several:
+        return found
+    once = replace(options, library=ONCE)
+    told = []
+    for one in recordings:
+        if shop.limit.passed:
+            break
+        shop.progress(f"{one.name} by itself: what happens at one moment")
+        seen = _alone(graph, one, noise, settings, once, shop)
+        if seen is not None:
+            told.append(f"{one.name} by itself is explained by {_in_words(seen)}.")
+    if not told:
+        return found
+    return replace(found, statement=" ".join((found.statement, *told)))
+
+
+def _alone(
+    graph: FinishedGraph,
+    recording: BoundRecording,
+    noise: Array,
+    settings: FitSettings,
+    options: Options,
+    shop: Workshop,
+) -> Look | None:
+    """Return what explains a recording by what happens once in it; None if nothing."""
+    try:
+        base = base_fit(graph, [recording], settings, noise, options)
+    except FitError:
+        return None
+    seen = look(base, [recording], noise, options, shop)
+    return seen if explains(seen, [recording]) else None
+
+
+def _in_words(seen: Look) -> str:
+    return " and ".join(_laws(seen))
+
+
+def _laws(seen: Look) -> Iterator[str]:
+    """Yield each law that was found with its numbers."""
+    parameters = seen.final.graph.parameters
+    for candidate in chosen_in(seen.rounds):
+        law = candidate.hypothesis
+        numbers = ", ".join(
+            f"{name} = {seen.final.values[name]:.4g} {_unit(parameters[name])}".rstrip()
+            for name in law.parameters
+        )
+        yield f"{name_of(law.physics)} at {law.place} ({law.words}; {numbers})"
+
+
+def _unit(parameter: Parameter) -> str:
+    return "" if parameter.unit == "1" else plain_unit(parameter.unit)
