@@ -42,7 +42,7 @@ class ParameterDrift(AbstractPhysics):
     signature = "early fits late badly and late early; each by itself fits well"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for channels and linear I, C and TF, where what passes comes back."""
+        """Yield it for channels, linear I, C and TF, where what passes comes back."""
         if isinstance(place, ChannelPlace) and channel_comes_back(place):
             yield self._of_a_channel(place)
         if not isinstance(place, ElementPlace):
@@ -91,12 +91,6 @@ def does(place: ChannelPlace) -> str:
     return f"{'does' if isinstance(place, InputPlace) else 'reads'} more or less"
 
 
-def with_number(place: ElementPlace, times: sympy.Expr) -> sympy.Expr:
-    """Return the law of a linear element whose number is so many times what it is."""
-    stores = isinstance(place.element, Inertance | Compliance)
-    return place.usual_law / times if stores else place.usual_law * times
-
-
 def comes_back(place: Place, junction: str) -> bool:
     """Return whether what a junction has in common is late as it was early.
 
@@ -126,7 +120,8 @@ def _drift(place: Place) -> tuple[Coefficient, sympy.Expr]:
 
 def _evenly(physics: AbstractPhysics, place: ElementPlace) -> Hypothesis:
     a, grown = _drift(place)
-    law = with_number(place, grown)
+    stores = isinstance(place.element, Inertance | Compliance)
+    law = place.usual_law / grown if stores else place.usual_law * grown
     words = f"{place.name} changes evenly with time, whatever passes through it"
     edit = place.replace(law, a)
     return physics.hypothesis(place, edit, law, (a,), words, also=place.junctions)

@@ -6,6 +6,7 @@ that a fit feels where it is, and is made sharp where that tells
 (`diagnosis.search.laws.sharper`).
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -17,21 +18,24 @@ from bondgraph.physics.in_time import (
     channel_comes_back,
     comes_back,
     does,
-    with_number,
 )
 from bondgraph.physics.places.base import Coefficient, E, F, Place
 from bondgraph.physics.places.channels import ChannelPlace
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import JunctionPlace, OneJunctionPlace
-from bondgraph.structure.elements import EffortSource, FlowSource
+from bondgraph.structure.elements import EffortSource, FlowSource, TwoPort
 from bondgraph.structure.nodes import is_linear
-from bondgraph.structure.signals import t
+from bondgraph.structure.signals import parameter_symbol, t
 
 MOMENTS = 12
 """Evenly over the longest recording, where fits of a moment start from."""
 
 SMOOTHED = 2 * MOMENTS
 """Of a recording one part in so many is the width of a step at first."""
+
+
+BEFORE = 4.0
+"""A loss or a store was before no more than so many times what fits on the whole."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +68,8 @@ def begun_at(place: Place) -> Step:
 class ParameterStep(AbstractPhysics):
     """A number that is another one from one moment on.
 
-    x (1 + a) from then on in place of the number x of a linear R, I, C, of a TF or GY,
-    or of what an input or a sensor does.
+    x + a from then on in place of the number x of a linear R, I, C, of a TF or GY; x (1
+    + a) in place of what an input or a sensor does.
     """
 
     word = "parameter_step"
@@ -83,14 +87,20 @@ class ParameterStep(AbstractPhysics):
             yield self._of_an_element(place)
 
     def _of_a_channel(self, place: ChannelPlace) -> Hypothesis:
-        grown, own = _stepped(place)
-        law = place.signal * grown
+        step = begun_at(place)
+        share = place.strength("step", "1", low=-MOST)
+        law, own = place.signal * (1 + share.symbol * step.height), (share, *step.own)
         words = f"{place.name} {does(place)} in proportion from one moment on"
         return self.hypothesis(place, place.become(law, *own), law, own, words)
 
     def _of_an_element(self, place: ElementPlace) -> Hypothesis:
-        grown, own = _stepped(place)
-        law = with_number(place, grown)
+        step, number = begun_at(place), place.graph.parameters[place.name]
+        fitted = place.scales.fitted.get(place.name) or number.value or math.inf
+        low = -math.inf if isinstance(place.element, TwoPort) else -BEFORE * abs(fitted)
+        size = place.strength("step", number.unit, low=low)
+        before = parameter_symbol(place.name)
+        law = place.usual_law.xreplace({before: before + size.symbol * step.height})
+        own = (size, *step.own)
         words = f"{place.name} is another one from one moment on"
         edit = place.replace(law, *own)
         return self.hypothesis(place, edit, law, own, words, also=place.junctions)
@@ -118,10 +128,3 @@ class DisturbanceStep(AbstractPhysics):
         own = (size, *step.own)
         words = f"{place.a(E if one else F)} that sets in at one moment"
         yield self.hypothesis(place, place.insert(source, *own), law, own, words)
-
-
-def _stepped(place: Place) -> tuple[sympy.Expr, tuple[Coefficient, ...]]:
-    """Return how what is there has grown, by none and then by a share."""
-    step = begun_at(place)
-    share = place.strength("step", "1", low=-MOST)
-    return 1 + share.symbol * step.height, (share, *step.own)
