@@ -53,11 +53,12 @@ def pushed(
     drag_steps=0.0,
     held=0.0,
     mass_is=1.0,
+    moment=MOMENT,
 ):
     """Return a recording of a cart of which a number grows by a share per second.
 
     Or of which the drag grows by a share, or that is held back by a force, from
-    `MOMENT` on. Or whose mass is so many times the usual one.
+    `moment` on. Or whose mass is so many times the usual one.
     """
     rng = np.random.default_rng(seed)
     push = np.repeat(rng.uniform(-30.0, 30.0, COUNT // 25), 25)
@@ -69,7 +70,7 @@ def pushed(
         for j in range(fine):
             now = STEP * (k + j / fine)
             speed = momentum / (MASS * (mass_is + mass_grows * now))
-            late = now >= MOMENT
+            late = now >= moment
             lost = DRAG * (1.0 + drag_grows * now + drag_steps * late) * speed
             lost += held * late
             momentum += STEP / fine * (u * (1.0 + push_grows * now) - lost)
