@@ -45,3 +45,15 @@ def test_what_is_explained_all_together_is_not_told_of_each():
     answer = answer_of([pushed(seed, held=HELD) for seed in (1, 2, 3)])
     assert answer.verdict is Verdict.PHYSICS_MISSING
     assert "by itself" not in answer.statement
+
+
+def test_where_a_common_moment_leaves_much_each_is_told_with_its_own():
+    own = (8.0, 9.4, 8.6)
+    runs = [pushed(seed, held=HELD, moment=at) for seed, at in enumerate(own, 1)]
+    answer = answer_of(runs)
+    assert answer.verdict is Verdict.PHYSICS_MISSING
+    told = re.findall(
+        r"(run \d) by itself is .*?moment_carriage = (\S+) s", answer.statement
+    )
+    assert [name for name, _ in told] == ["run 1", "run 2"]
+    assert [float(at) for _, at in told] == pytest.approx(own[:2], abs=2 * STEP)

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.evidence.leftover import ADEQUATE_RATIO
 from bondgraph.diagnosis.records import Diagnosis, Verdict
 from bondgraph.diagnosis.search.base.beginnings import base_fit
 from bondgraph.diagnosis.search.looks import Look, explains, look
@@ -46,6 +47,9 @@ def with_each_alone(
 ) -> Diagnosis:
     """Return the answer with what happens in single recordings, if it is open.
 
+    Or if a moment was found that leaves much: one of all recordings where each has its
+    own.
+
     Parameters
     ----------
     noise
@@ -54,7 +58,8 @@ def with_each_alone(
         Of the fits.
     """
     several = len(recordings) > 1 and not any(one.steady for one in recordings)
-    if found.verdict not in OPEN or not found.complete or not several:
+    asked = found.verdict in OPEN or _has_no_common_moment(found)
+    if not (asked and found.complete and several):
         return found
     once = replace(options, library=ONCE)
     told = []
@@ -68,6 +73,14 @@ def with_each_alone(
     if not told:
         return found
     return replace(found, statement=" ".join((found.statement, *told)))
+
+
+def _has_no_common_moment(found: Diagnosis) -> bool:
+    """Return whether a law with a moment leaves more than noise."""
+    left, floor = found.train.after.rmse, found.noise_floor
+    much = any(left[name] > ADEQUATE_RATIO * floor[name] for name in left)
+    numbers = (one.name for finding in found.findings for one in finding.estimates)
+    return much and any(name.startswith("moment_") for name in numbers)
 
 
 def _alone(
