@@ -31,20 +31,21 @@ def test_each_recording_is_told_with_its_own_moment():
     assert answer.verdict in (Verdict.UNEXPLAINED, Verdict.CANNOT_TELL)
     for name in ("run 1", "run 2"):
         told = re.search(
-            rf"{name} by itself is explained by disturbance step at carriage \(.*?"
+            rf"once in {name}, it is explained by itself by disturbance step at "
+            r"carriage \(.*?"
             r"step_carriage = (\S+) N, moment_carriage = (\S+) s\)",
             answer.statement,
         )
         assert told is not None
         assert float(told[1]) == pytest.approx(-HELD, rel=0.05)
         assert float(told[2]) == pytest.approx(MOMENTS[name], abs=2 * STEP)
-    assert "run 3 by itself" not in answer.statement
+    assert "once in run 3" not in answer.statement
 
 
 def test_what_is_explained_all_together_is_not_told_of_each():
     answer = answer_of([pushed(seed, held=HELD) for seed in (1, 2, 3)])
     assert answer.verdict is Verdict.PHYSICS_MISSING
-    assert "by itself" not in answer.statement
+    assert "explained by itself" not in answer.statement
 
 
 def test_where_a_common_moment_leaves_much_each_is_told_with_its_own():
@@ -53,7 +54,7 @@ def test_where_a_common_moment_leaves_much_each_is_told_with_its_own():
     answer = answer_of(runs)
     assert answer.verdict is Verdict.PHYSICS_MISSING
     told = re.findall(
-        r"(run \d) by itself is .*?moment_carriage = (\S+) s", answer.statement
+        r"once in (run \d), .*?moment_carriage = (\S+) s", answer.statement
     )
     assert [name for name, _ in told] == ["run 1", "run 2"]
     assert [float(at) for _, at in told] == pytest.approx(own[:2], abs=2 * STEP)

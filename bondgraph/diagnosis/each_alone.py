@@ -20,6 +20,7 @@ from bondgraph.diagnosis.search.round_found import chosen_in
 from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.errors import FitError
 from bondgraph.fitting.settings import FitSettings
+from bondgraph.physics.hypothesis import AbstractPhysics
 from bondgraph.physics.moments import DisturbanceStep, ParameterStep
 from bondgraph.physics.names import name_of
 from bondgraph.physics.sensing import SensorBias
@@ -29,9 +30,6 @@ from bondgraph.structure.parameters import Parameter
 from bondgraph.structure.units import plain_unit
 
 Array = NDArray[np.float64]
-
-ONCE = (ParameterStep(), DisturbanceStep(), SensorBias())
-"""What may happen at one moment."""
 
 OPEN = (Verdict.UNEXPLAINED, Verdict.CANNOT_TELL)
 
@@ -57,11 +55,12 @@ def with_each_alone(
     settings
         Of the fits.
     """
-    several = len(recordings) > 1 and not any(one.steady for one in recordings)
+    moving = not any(one.steady for one in recordings)
     asked = found.verdict in OPEN or _has_no_common_moment(found)
-    if not (asked and found.complete and several):
+    library = tuple(_once(options.library))
+    if not (asked and found.complete and moving and library):
         return found
-    once = replace(options, library=ONCE)
+    once = replace(options, library=library)
     told = []
     for one in recordings:
         if shop.limit.passed:
@@ -69,10 +68,25 @@ def with_each_alone(
         shop.progress(f"{one.name} by itself: what happens at one moment")
         seen = _alone(graph, one, noise, settings, once, shop)
         if seen is not None:
-            told.append(f"{one.name} by itself is explained by {_in_words(seen)}.")
+            told.append(
+                f"If something happened once in {one.name}, it is explained by itself "
+                f"by {_in_words(seen)}."
+            )
     if not told:
         return found
     return replace(found, statement=" ".join((found.statement, *told)))
+
+
+def _once(library: Sequence[AbstractPhysics]) -> Iterator[AbstractPhysics]:
+    """Yield the laws of a library by which something happens at one moment.
+
+    Anywhere: what nobody takes for a law may be told of what does not come back.
+    """
+    for physics in library:
+        if isinstance(physics, ParameterStep | DisturbanceStep):
+            yield replace(physics, anywhere=True)
+        elif isinstance(physics, SensorBias):
+            yield physics
 
 
 def _has_no_common_moment(found: Diagnosis) -> bool:

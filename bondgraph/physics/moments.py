@@ -65,12 +65,20 @@ def begun_at(place: Place) -> Step:
     return Step((1 + sympy.tanh(passed)) / 2, (at, width))
 
 
+@dataclass(frozen=True)
 class ParameterStep(AbstractPhysics):
     """A number that is another one from one moment on.
 
     x + a from then on in place of the number x of a linear R, I, C, of a TF or GY; x (1
     + a) in place of what an input or a sensor does.
+
+    Parameters
+    ----------
+    anywhere
+        Also where what passes does not come back, and anything may be a law of time.
     """
+
+    anywhere: bool = False
 
     word = "parameter_step"
     reference = "Basseville and Nikiforov, Detection of Abrupt Changes 1993"
@@ -79,11 +87,13 @@ class ParameterStep(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it for channels and linear elements, where what passes comes back."""
-        if isinstance(place, ChannelPlace) and channel_comes_back(place):
-            yield self._of_a_channel(place)
+        if isinstance(place, ChannelPlace):
+            if self.anywhere or channel_comes_back(place):
+                yield self._of_a_channel(place)
+            return
         if not isinstance(place, ElementPlace) or not is_linear(place.element):
             return
-        if comes_back(place, place.junctions[0]):
+        if self.anywhere or comes_back(place, place.junctions[0]):
             yield self._of_an_element(place)
 
     def _of_a_channel(self, place: ChannelPlace) -> Hypothesis:
@@ -106,8 +116,17 @@ class ParameterStep(AbstractPhysics):
         return self.hypothesis(place, edit, law, own, words, also=place.junctions)
 
 
+@dataclass(frozen=True)
 class DisturbanceStep(AbstractPhysics):
-    """A constant effort at a 1-junction, or flow at a 0-junction, that sets in."""
+    """A constant effort at a 1-junction, or flow at a 0-junction, that sets in.
+
+    Parameters
+    ----------
+    anywhere
+        Also where what they have in common does not come back.
+    """
+
+    anywhere: bool = False
 
     word = "disturbance_step"
     reference = "Basseville and Nikiforov, Detection of Abrupt Changes 1993"
@@ -116,7 +135,9 @@ class DisturbanceStep(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it at junctions where what they have in common comes back."""
-        if not isinstance(place, JunctionPlace) or not comes_back(place, place.name):
+        if not isinstance(place, JunctionPlace):
+            return
+        if not self.anywhere and not comes_back(place, place.name):
             return
         step = begun_at(place)
         one = isinstance(place, OneJunctionPlace)
