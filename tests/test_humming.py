@@ -47,7 +47,24 @@ def test_noise_and_drift_have_no_frequency():
 def test_what_swings_as_an_input_does_is_no_hum():
     wave = np.sin(2.0 * np.pi * HERTZ * STEP * np.arange(COUNT))[:, None]
     run = hummed(1, 0.004)
-    assert left_of([replace(run, inputs=run.inputs + 30.0 * wave)]) is None
+    driven = replace(run, inputs=run.inputs + 30.0 * wave)
+    assert left_of([driven]) is None
+    # Nor where that is one of two recordings, whose other one is driven by more.
+    wild = replace(pushed(2), inputs=100.0 * pushed(2).inputs)
+    assert left_of([driven, wild]) is None
+
+
+def test_a_machine_that_swings_by_itself_does_not_hum():
+    mass = cart().with_parameters({"mass": 2.0, "drag": 0.01})
+    time = STEP * np.arange(COUNT)
+    swing = 0.2 * np.cos(5.0 * time) * np.exp(-0.002 * time)
+    read = swing + 0.004 * np.cos(5.0 * time + 1.0)
+    channels = {"push": (np.zeros(COUNT), "N"), "position": (read, "m")}
+    free = bind_to(mass, Recording.from_arrays("free", time, channels))
+    fixed = mass.with_parameters(
+        [replace(p, std=0.0) for p in mass.parameters.values()]
+    )
+    assert swinging(fit_model(fixed, [free], SETTINGS)) is None
 
 
 def test_a_model_that_leaves_a_hum_is_not_called_adequate():

@@ -69,8 +69,7 @@ def concluded(
         if off is not None:
             verdict, statement = Verdict.CANNOT_TELL, off
     verdict, statement = with_hum(verdict, statement, final)
-    late = any(one.cut_short for one in rounds)
-    if verdict in (Verdict.UNEXPLAINED, Verdict.CANNOT_TELL) and not late:
+    if verdict in (Verdict.UNEXPLAINED, Verdict.CANNOT_TELL):
         differs = differs_between(base, recordings, floor)
         statement = f"{statement} {differs}".rstrip()
     return with_values(verdict, statement, wrong) if wrong else (verdict, statement)

@@ -1,4 +1,4 @@
-"""A line is no noise: what a model leaves hums at one frequency that no input has.
+"""A line is no noise: what a model leaves hums at a frequency of its own.
 
 A rotor out of balance, the mains, a pump next door: a swing that goes on by itself
 follows nothing that was recorded, as noise does not. But noise has no frequency of its
@@ -20,7 +20,7 @@ HALF = 0.5
 """Of what is left at least, in squares, is at one frequency."""
 
 NONE = 0.01
-"""An input has a line where more of what it does than this share is there."""
+"""Something has a line where more of its power than this share is there."""
 
 STANDS_OUT = 10.0
 """And where that is so many times what is about it: steps and sweeps have no line."""
@@ -74,9 +74,9 @@ def with_hum(
     size = f"{hum.amplitude:.2g}{'' if unit == '1' else f' {plain_unit(unit)}'}"
     told = (
         f"What the model leaves of {hum.output} is no noise: {100 * hum.share:.0f} % "
-        f"of it swings at {hum.frequency:.4g} Hz by {size}, where no input does. "
-        "Something that was not recorded drives the machine or its sensor: a rotor "
-        "out of balance, the mains, a pump."
+        f"of it swings at {hum.frequency:.4g} Hz by {size}, where neither an input nor "
+        "the model does. Something that was not recorded drives the machine or its "
+        "sensor: a rotor out of balance, the mains, a pump."
     )
     if verdict is Verdict.ADEQUATE:
         return Verdict.CANNOT_TELL, told
@@ -93,13 +93,18 @@ def swinging(fitted: FittedModel) -> Hum | None:
         return None
     whole = [part for part in shots.slices if part.stop - part.start == size]
     residuals = np.nan_to_num(fitted.residuals())
-    left = _power([residuals[part] for part in whole])
-    driven = _power([shots.inputs[part] for part in whole])
+    left = np.sum([_power(residuals[part]) for part in whole], axis=0)
+    # What swings by itself, as a pendulum does, has the line in what it is told to do.
+    told = np.hstack([shots.inputs, np.nan_to_num(shots.outputs - residuals)])
+    driven = [_power(told[part]) for part in whole]
     frequency = np.fft.rfftfreq(size, steps.mean())
     found = []
     for name, power, own in zip(names, left.T, residuals.T, strict=True):
         line, share = _line(power)
-        if share >= HALF and line >= OFTEN and not _is_in(driven, line):
+        if share < HALF or line < OFTEN:
+            continue
+        # A line of one recording is lost among the steps of another.
+        if not any(_is_in(one, line) for one in driven):
             amplitude = float(np.sqrt(2.0 * share * np.mean(own**2)))
             found.append(Hum(name, float(frequency[line]), share, amplitude))
     return max(found, key=lambda hum: hum.share, default=None)
@@ -112,7 +117,7 @@ def _line(power: Array) -> tuple[int, float]:
 
 
 def _is_in(driven: Array, line: int) -> bool:
-    """Return whether some input has a line there, too."""
+    """Return whether something has a line there, too."""
     there = driven[_near(line)]
     about = np.median(driven[_near(line, ABOUT)], axis=0)
     much = there.sum(axis=0) > NONE * driven.sum(axis=0)
@@ -123,10 +128,8 @@ def _near(line: int, wide: int = WIDE) -> slice:
     return slice(max(line - wide, 0), line + wide + 1)
 
 
-def _power(parts: list[Array]) -> Array:
-    """Return the power of signals by frequency over all parts, about their means."""
-    taper = np.hanning(len(parts[0]))[:, None]
-    power = np.zeros((len(parts[0]) // 2 + 1, parts[0].shape[1]))
-    for part in parts:
-        power += np.abs(np.fft.rfft(taper * (part - part.mean(axis=0)), axis=0)) ** 2
-    return power
+def _power(part: Array) -> Array:
+    """Return the power of signals by frequency, about their means."""
+    taper = np.hanning(len(part))[:, None]
+    spectrum = np.fft.rfft(taper * (part - part.mean(axis=0)), axis=0)
+    return np.asarray(np.abs(spectrum) ** 2)
