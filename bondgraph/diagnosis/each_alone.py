@@ -21,7 +21,7 @@ from bondgraph.diagnosis.work.workers import Workshop
 from bondgraph.errors import FitError
 from bondgraph.fitting.settings import FitSettings
 from bondgraph.physics.hypothesis import AbstractPhysics
-from bondgraph.physics.moments import DisturbanceStep, ParameterStep
+from bondgraph.physics.moments import AtOneMoment
 from bondgraph.physics.names import name_of
 from bondgraph.physics.sensing import SensorBias
 from bondgraph.recordings.binding import BoundRecording
@@ -83,7 +83,7 @@ def _once(library: Sequence[AbstractPhysics]) -> Iterator[AbstractPhysics]:
     Anywhere: what nobody takes for a law may be told of what does not come back.
     """
     for physics in library:
-        if isinstance(physics, ParameterStep | DisturbanceStep):
+        if isinstance(physics, AtOneMoment):
             yield replace(physics, anywhere=True)
         elif isinstance(physics, SensorBias):
             yield physics

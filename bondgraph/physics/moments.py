@@ -66,11 +66,8 @@ def begun_at(place: Place) -> Step:
 
 
 @dataclass(frozen=True)
-class ParameterStep(AbstractPhysics):
-    """A number that is another one from one moment on.
-
-    x + a from then on in place of the number x of a linear R, I, C, of a TF or GY; x (1
-    + a) in place of what an input or a sensor does.
+class AtOneMoment(AbstractPhysics):
+    """Something that happens once.
 
     Parameters
     ----------
@@ -80,9 +77,18 @@ class ParameterStep(AbstractPhysics):
 
     anywhere: bool = False
 
-    word = "parameter_step"
     reference = "Basseville and Nikiforov, Detection of Abrupt Changes 1993"
     passivity = Passivity.SOURCE
+
+
+class ParameterStep(AtOneMoment):
+    """A number that is another one from one moment on.
+
+    x + a from then on in place of the number x of a linear R, I, C, of a TF or GY; x (1
+    + a) in place of what an input or a sensor does.
+    """
+
+    word = "parameter_step"
     signature = "before a moment all fits, and after it all fits with another number"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
@@ -116,21 +122,10 @@ class ParameterStep(AbstractPhysics):
         return self.hypothesis(place, edit, law, own, words, also=place.junctions)
 
 
-@dataclass(frozen=True)
-class DisturbanceStep(AbstractPhysics):
-    """A constant effort at a 1-junction, or flow at a 0-junction, that sets in.
-
-    Parameters
-    ----------
-    anywhere
-        Also where what they have in common does not come back.
-    """
-
-    anywhere: bool = False
+class DisturbanceStep(AtOneMoment):
+    """A constant effort at a 1-junction, or flow at a 0-junction, that sets in."""
 
     word = "disturbance_step"
-    reference = "Basseville and Nikiforov, Detection of Abrupt Changes 1993"
-    passivity = Passivity.SOURCE
     signature = "an error that is there from one moment on, whatever is done"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
