@@ -334,3 +334,16 @@ def test_what_windows_were_not_explained_by_need_not_be_kept(
     monkeypatch.setattr(looks, "explains", lambda *_: explained)
     monkeypatch.setattr(looks, "keeps_what_windows_show", lambda *_: False)
     assert looks._still_shows(seen, first, []) is kept
+
+
+@pytest.mark.parametrize(("heavier", "kept"), [(1.0, True), (5.0, False)])
+def test_what_ends_worse_than_it_began_is_not_handed_on(heavier, kept):
+    run, whole = floated(0.0, 0.0), replace(HELD, horizon=WholeRecordings())
+    base = fit_model(CART, [run], whole)
+    fitted = base.graph.with_parameters(base.values).parameters
+    ended = [replace(p, value=heavier * p.value, std=0.0) for p in fitted.values()]
+    final = fit_model(CART.with_parameters(ended), [run], whole)
+    chosen = SimpleNamespace()
+    seen = looks._as_begun(Look([Round(base, chosen=chosen)], final), base, [run])
+    assert seen.final is (final if kept else base)
+    assert seen.rounds[0].chosen is (chosen if kept else None)

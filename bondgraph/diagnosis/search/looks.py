@@ -108,7 +108,24 @@ def look(
         # What a law adds is told from nothing by numbers that steps do not bend.
         final = told_finely(final)
     rounds, final = without_needless_parts(rounds, final, recordings, options, limit)
-    return Look(*without_hollow(rounds, final, recordings, options, limit))
+    seen = Look(*without_hollow(rounds, final, recordings, options, limit))
+    return _as_begun(seen, base, recordings)
+
+
+def _as_begun(
+    seen: Look, base: FittedModel, recordings: Sequence[BoundRecording]
+) -> Look:
+    """Return a look without what misses the recordings that it was fitted to by more.
+
+    A model that has come to an edge, beyond which the least step of its solver sends it
+    elsewhere, is another one each time that it is simulated.
+    """
+    whole = isinstance(seen.final.horizon, WholeRecordings)
+    if not whole or seen.error(recordings) <= _whole_error(base, recordings) / CLEARLY:
+        return seen
+    first, late = seen.rounds[0], any(one.cut_short for one in seen.rounds)
+    nothing = replace(first, chosen=None, probability=None, cut_short=late)
+    return Look([nothing], base)
 
 
 def _hurried(options: Options) -> Options:
