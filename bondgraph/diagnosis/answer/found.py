@@ -1,7 +1,7 @@
 """Findings, with what speaks for each and what cannot be told from it."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from bondgraph.diagnosis.answer.evidence_shown import hardly_supported, shown
@@ -11,9 +11,10 @@ from bondgraph.diagnosis.evidence.alternatives import (
     alternatives_to,
     curves_as_good,
 )
-from bondgraph.diagnosis.evidence.confidence import beyond_resampling
+from bondgraph.diagnosis.evidence.confidence import beyond_resampling, probability
 from bondgraph.diagnosis.evidence.gain import MERE_SHAPE
-from bondgraph.diagnosis.evidence.judged import Judged
+from bondgraph.diagnosis.evidence.judged import Judged, Rule
+from bondgraph.diagnosis.evidence.leads import is_meant
 from bondgraph.diagnosis.evidence.numbers import none_told
 from bondgraph.diagnosis.records import Finding, Support
 from bondgraph.diagnosis.search.options import Options
@@ -64,15 +65,10 @@ def findings_of(
     laws = [one.chosen for one in made if one.chosen is not None]
     shares = shares_of(made, left)
     there = Counter((chosen.physics, chosen.place) for chosen in laws)
-    for found, chosen, share in zip(made, laws, shares, strict=True):
-        # What was found as well is not what a finding may be instead.
+    for one, chosen, share in zip(made, laws, shares, strict=True):
         own = (chosen.physics, chosen.place)
-        elsewhere = there.keys() - {own}
-        close = [
-            j
-            for j in alternatives_to(chosen, found.judged, options.rule)
-            if (j.physics, j.place) not in elsewhere
-        ]
+        found = without_others(one, there.keys() - {own}, options.rule)
+        close = alternatives_to(chosen, found.judged, options.rule)
         near = better if better and better.curve.place == chosen.place else None
         curves = curves_as_good(chosen, found.judged, options.rule)
         alike = [one.place for one in curves if one.physics == chosen.physics]
@@ -100,6 +96,36 @@ def findings_of(
         )
         others[finding.element] = close
     return findings, others
+
+
+def without_others(
+    found: Round, others: Collection[tuple[str, str]], rule: Rule
+) -> Round:
+    """Return a round without what other rounds have found, and how sure it is then.
+
+    What was found as well is not what a finding may be instead, nor is what could not
+    be told from that here.
+
+    Parameters
+    ----------
+    others
+        Physics and place of the other findings.
+    """
+    chosen = found.chosen
+    assert chosen is not None
+    as_well = [j for j in found.judged if (j.physics, j.place) in others]
+
+    def is_another(judged: Judged) -> bool:
+        if (judged.physics, judged.place) in others:
+            return True
+        own = judged is chosen or is_meant(judged, chosen, rule)
+        return not own and any(is_meant(judged, one, rule) for one in as_well)
+
+    rest = tuple(j for j in found.judged if not is_another(j))
+    if len(rest) == len(found.judged) or found.before is None:
+        return replace(found, judged=rest)
+    sure = probability(chosen, rest, found.before, rule)
+    return replace(found, judged=rest, probability=sure)
 
 
 def _of_one_relation(*, is_mended: bool, times: int) -> str:

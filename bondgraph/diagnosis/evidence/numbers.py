@@ -18,6 +18,7 @@ FORMS = (
     "induced_time",
     "presliding",
     "moment",
+    "ripple_wave",
     "hysteresis_skew",
 )
 """How numbers begin that say how something goes, and not that there is any of it."""

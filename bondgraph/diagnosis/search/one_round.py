@@ -122,6 +122,7 @@ def one_round(setting: Setting, shop: Workshop) -> Round:
         chosen,
         verdicts.probability,
         cut_short=shop.limit.undone > done,
+        before=verdicts.before,
     )
 
 

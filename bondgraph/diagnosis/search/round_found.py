@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from bondgraph.diagnosis.candidates import Candidate, Promised, Rejected
 from bondgraph.diagnosis.evidence.gain import beside_earlier
 from bondgraph.diagnosis.evidence.judged import Judged
+from bondgraph.diagnosis.evidence.left_out import LeftOutErrors
 from bondgraph.diagnosis.records import Support
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.physics.hypothesis import Hypothesis
@@ -36,6 +37,8 @@ class Round:
         What earlier rounds had added and is needless beside it.
     cut_short
         Whether time ran out before all had been tried.
+    before
+        Left-out errors without any of those judged, where these were judged one by one.
     """
 
     base: FittedModel
@@ -49,6 +52,7 @@ class Round:
     without: float | None = None
     removed: tuple[Hypothesis, ...] = ()
     cut_short: bool = False
+    before: LeftOutErrors | None = None
 
 
 def accepted(rounds: Sequence[Round]) -> list[Round]:
