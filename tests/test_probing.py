@@ -38,3 +38,15 @@ def test_a_signal_that_cannot_be_told_takes_no_other_with_it(monkeypatch):
         probing, "_probed_together", lambda _, s: dict.fromkeys(s, time * np.nan)
     )
     assert probing.measure_scales(fitted).sizes["flow(vessel)"] == 0.0
+
+
+def test_what_a_stiff_state_begins_at_is_no_size_of_a_signal():
+    usual = np.sin(np.arange(1000.0))
+    begun = np.array([-8e3, 900.0, *usual])
+    told = probing._without_strays(begun)
+    assert np.isnan(told[:2]).all()
+    np.testing.assert_array_equal(told[2:], usual)
+    hit = np.array([20.0, *usual])
+    np.testing.assert_array_equal(probing._without_strays(hit), hit)
+    for nothing in (np.zeros(5), np.full(5, np.nan)):
+        np.testing.assert_array_equal(probing._without_strays(nothing), nothing)

@@ -48,6 +48,12 @@ VIRTUAL = "virtual_source"
 SELDOM = 0.01
 """A share of the samples in which a signal has not really been."""
 
+STRAY = 50.0
+"""So many times larger than hardly any other value: no machine, but a fit went there.
+
+Impacts, which are short as well, are some ten times what else acts.
+"""
+
 
 def common_signal(junction: Junction) -> Signal:
     """Return the variable that the bonds of a junction share."""
@@ -134,7 +140,8 @@ def measure_scales(fitted: FittedModel) -> Scales:
     """
     graph, shots = fitted.graph, fitted.problem.shots
     found = {
-        signal.name: values for signal, values in probe(fitted, _probes(graph)).items()
+        signal.name: _without_strays(values)
+        for signal, values in probe(fitted, _probes(graph)).items()
     }
     names = fitted.problem.model.input_names
     for name, values in zip(names, shots.inputs.T, strict=True):
@@ -174,6 +181,17 @@ def measure_scales(fitted: FittedModel) -> Scales:
         lasting=lasting(shots.time, known) if interval else frozenset(),
         begin=float(shots.time.min()),
     )
+
+
+def _without_strays(values: Array) -> Array:
+    """Return values without the few that are as if from elsewhere.
+
+    Where hardly anything tells the state in which a window begins, a stiff model may
+    begin anywhere, and is where it belongs a sample later.
+    """
+    sizes = np.abs(values)
+    usual = np.nanquantile(sizes, 1.0 - SELDOM) if np.isfinite(sizes).any() else 0.0
+    return np.where(sizes > STRAY * usual, np.nan, values) if usual else values
 
 
 def _tenths(values: Array) -> int:
