@@ -116,20 +116,19 @@ def refitted(
     """Return the model fitted to recordings, from the values that it has at least.
 
     A fit that begins anew may end early where its values were hard to find, over a
-    sharp edge for instance, or along a ripple. So it is begun as well from the states
-    that the model passes at the begin of each window when it runs through whole
-    recordings; or, where windows have left samples out, from those that fit its values.
+    sharp edge for instance. So it is begun as well from the states that the model
+    passes at the begin of each window when it runs through whole recordings.
     """
     graph = fitted.graph.with_parameters(fitted.values)
     anew = fit_model(graph, recordings, settings)
     problem = anew.problem
     theta = np.array([fitted.values[name] for name in problem.free_names])
     whole = replace(problem, shots=cut(recordings, WholeRecordings()))
-    through = np.array_equal(whole.shots.time, problem.shots.time)
-    run = whole if through else problem
-    states, along = settle(run, theta, first_guess(run, theta), SETTLE_ITERATIONS)
-    if through:
-        states = along.states[list(problem.shots.edges[:-1])]
+    if not np.array_equal(whole.shots.time, problem.shots.time):
+        return anew  # Windows have left samples out.
+    begin = first_guess(whole, theta)
+    _, along = settle(whole, theta, begin, SETTLE_ITERATIONS)
+    states = along.states[list(problem.shots.edges[:-1])]
     if not np.isfinite(states).all():
         return anew
     known = minimise(problem, theta, states, iterations=ITERATIONS)
