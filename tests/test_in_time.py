@@ -123,8 +123,7 @@ def test_what_happens_at_one_moment_is_found_with_its_moment(happens, word, name
     assert found.physics == word
     size, moment = found.estimates
     assert (size.name, moment.name) == names
-    true = DRAG * happens.get("drag_steps", 0.0) + happens.get("held", 0.0)
-    assert abs(size.value) == pytest.approx(true, rel=0.05)
+    assert abs(size.value) == pytest.approx(sum(happens.values()), rel=0.05)
     assert moment.value == pytest.approx(MOMENT, abs=STEP)
 
 

@@ -6,7 +6,6 @@ that a fit feels where it is, and is made sharp where that tells
 (`diagnosis.search.laws.sharper`).
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -23,7 +22,7 @@ from bondgraph.physics.places.base import Coefficient, E, F, Place
 from bondgraph.physics.places.channels import ChannelPlace
 from bondgraph.physics.places.element import ElementPlace
 from bondgraph.physics.places.junction import JunctionPlace, OneJunctionPlace
-from bondgraph.structure.elements import EffortSource, FlowSource, TwoPort
+from bondgraph.structure.elements import EffortSource, FlowSource
 from bondgraph.structure.nodes import is_linear
 from bondgraph.structure.signals import parameter_symbol, t
 
@@ -32,10 +31,6 @@ MOMENTS = 12
 
 SMOOTHED = 2 * MOMENTS
 """Of a recording one part in so many is the width of a step at first."""
-
-
-BEFORE = 4.0
-"""A loss or a store was before no more than so many times what fits on the whole."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,8 +79,8 @@ class AtOneMoment(AbstractPhysics):
 class ParameterStep(AtOneMoment):
     """A number that is another one from one moment on.
 
-    x + a from then on in place of the number x of a linear R, I, C, of a TF or GY; x (1
-    + a) in place of what an input or a sensor does.
+    x (1 + a) from then on in place of the number x of a linear R, I, C, of a TF or GY,
+    or of what an input or a sensor does.
     """
 
     word = "parameter_step"
@@ -103,20 +98,15 @@ class ParameterStep(AtOneMoment):
             yield self._of_an_element(place)
 
     def _of_a_channel(self, place: ChannelPlace) -> Hypothesis:
-        step = begun_at(place)
-        share = place.strength("step", "1", low=-MOST)
-        law, own = place.signal * (1 + share.symbol * step.height), (share, *step.own)
+        times, own = _stepped(place)
+        law = place.signal * times
         words = f"{place.name} {does(place)} in proportion from one moment on"
         return self.hypothesis(place, place.become(law, *own), law, own, words)
 
     def _of_an_element(self, place: ElementPlace) -> Hypothesis:
-        step, number = begun_at(place), place.graph.parameters[place.name]
-        fitted = place.scales.fitted.get(place.name) or number.value or math.inf
-        low = -math.inf if isinstance(place.element, TwoPort) else -BEFORE * abs(fitted)
-        size = place.strength("step", number.unit, low=low)
-        before = parameter_symbol(place.name)
-        law = place.usual_law.xreplace({before: before + size.symbol * step.height})
-        own = (size, *step.own)
+        times, own = _stepped(place)
+        number = parameter_symbol(place.name)
+        law = place.usual_law.xreplace({number: number * times})
         words = f"{place.name} is another one from one moment on"
         edit = place.replace(law, *own)
         return self.hypothesis(place, edit, law, own, words, also=place.junctions)
@@ -144,3 +134,14 @@ class DisturbanceStep(AtOneMoment):
         own = (size, *step.own)
         words = f"{place.a(E if one else F)} that sets in at one moment"
         yield self.hypothesis(place, place.insert(source, *own), law, own, words)
+
+
+def _stepped(place: Place) -> tuple[sympy.Expr, tuple[Coefficient, ...]]:
+    """Return how many times what it was a number is: once, and then by a share more.
+
+    A share, for no more than most of it is lost: a number that may have any size then
+    may have the wrong sign.
+    """
+    step = begun_at(place)
+    share = place.strength("step", "1", low=-MOST)
+    return 1 + share.symbol * step.height, (share, *step.own)

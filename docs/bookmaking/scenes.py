@@ -434,7 +434,7 @@ SCENES: Mapping[str, Scene] = {
         drive={"force": _wave(10.0)},
         across="flow(track)",
         up="effort(track)",
-        values={"step": -1.8, "moment": 4.0},
+        values={"step": -0.6, "moment": 4.0},
     ),
     "DisturbanceStep": Scene(
         **_PUSHED, up="effort(*)", values={"step": -4.0, "moment": 4.0}, cloud=True
