@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.answer.wording import unit_after
 from bondgraph.diagnosis.evidence.leftover import ADEQUATE_RATIO
 from bondgraph.diagnosis.records import Diagnosis, Verdict
 from bondgraph.diagnosis.search.base.beginnings import base_fit
@@ -26,8 +27,6 @@ from bondgraph.physics.names import name_of
 from bondgraph.physics.sensing import SensorBias
 from bondgraph.recordings.binding import BoundRecording
 from bondgraph.structure.graph import FinishedGraph
-from bondgraph.structure.parameters import Parameter
-from bondgraph.structure.units import plain_unit
 
 Array = NDArray[np.float64]
 
@@ -124,11 +123,7 @@ def _laws(seen: Look) -> Iterator[str]:
     for candidate in chosen_in(seen.rounds):
         law = candidate.hypothesis
         numbers = ", ".join(
-            f"{name} = {seen.final.values[name]:.4g} {_unit(parameters[name])}".rstrip()
+            f"{name} = {seen.final.values[name]:.4g}{unit_after(parameters[name].unit)}"
             for name in law.parameters
         )
         yield f"{name_of(law.physics)} at {law.place} ({law.words}; {numbers})"
-
-
-def _unit(parameter: Parameter) -> str:
-    return "" if parameter.unit == "1" else plain_unit(parameter.unit)

@@ -68,19 +68,19 @@ class SensorBias(AbstractPhysics):
         if not isinstance(place, OutputPlace) or _has_free(place, factor=False):
             return
         offset = place.strength("sensor_bias", place.channel_unit)
-        rate = place.strength("sensor_drift", f"({place.channel_unit})/s")
-        drifting = rate.symbol * (t - place.scales.begin)
+        drift = place.strength("sensor_drift", f"({place.channel_unit})/s")
+        drifting = drift.symbol * (t - place.scales.begin)
         drifts = f"{place.name} drifts: what it reads is off by more and more"
         if _origin_is_free(place):
-            yield self._reads(place, drifting, drifts, rate)
+            yield self._reads(place, drifting, drifts, drift)
             yield from self._jumping(place)
             return
         words = f"{place.name} reads with a constant offset"
         yield self._reads(place, offset.symbol, words, offset)
         if place.scales.interval:
-            yield self._reads(place, drifting, drifts, rate)
+            yield self._reads(place, drifting, drifts, drift)
             words = f"{place.name} reads with an offset that changes evenly with time"
-            yield self._reads(place, offset.symbol + drifting, words, offset, rate)
+            yield self._reads(place, offset.symbol + drifting, words, offset, drift)
             yield from self._jumping(place)
 
     def _jumping(self, place: OutputPlace) -> Iterator[Hypothesis]:

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bondgraph.diagnosis.answer.wording import unit_after
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.fitting.fitted import FittedModel
-from bondgraph.structure.units import plain_unit
 
 Array = NDArray[np.float64]
 
@@ -71,7 +71,7 @@ def with_hum(
     if hum is None:
         return verdict, statement
     unit = next(m.unit for m in final.graph.measurements if m.name == hum.output)
-    size = f"{hum.amplitude:.2g}{'' if unit == '1' else f' {plain_unit(unit)}'}"
+    size = f"{hum.amplitude:.2g}{unit_after(unit)}"
     told = (
         f"What the model leaves of {hum.output} is no noise: {100 * hum.share:.0f} % "
         f"of it swings at {hum.frequency:.4g} Hz by {size}, where neither an input nor "

@@ -31,12 +31,17 @@ PROPORTION = "known in proportion to the model's own numbers only"
 
 def value_with_error(estimate: Estimate, in_proportion: Sequence[str] = ()) -> str:
     """Return ``value ± std unit`` with as many digits as the error allows."""
-    unit = "" if estimate.unit == "1" else f" {plain_unit(estimate.unit)}"
+    unit = unit_after(estimate.unit)
     if estimate.name in in_proportion:
         return f"{estimate.value:.4g}{unit}, {PROPORTION}"
     if estimate.std is None:
         return f"{estimate.value:.4g}{unit} (not determined by these recordings)"
     return f"{to_digits_of(estimate.value, estimate.std)}{unit}"
+
+
+def unit_after(unit: str) -> str:
+    """Return a unit as it stands behind a number, nothing where there is none."""
+    return "" if unit == "1" else f" {plain_unit(unit)}"
 
 
 def to_digits_of(value: float, std: float) -> str:
