@@ -10,6 +10,7 @@ from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.options import Options
 from bondgraph.physics.friction import CoulombFriction
 from bondgraph.physics.moments import DisturbanceStep
+from bondgraph.physics.sensing import SensorBias
 
 MOMENTS = {"run 1": 5.2, "run 2": 12.9, "run 3": 9.0}
 HELD = 4.0
@@ -58,3 +59,15 @@ def test_where_a_common_moment_leaves_much_each_is_told_with_its_own():
     )
     assert [name for name, _ in told] == ["run 1", "run 2"]
     assert [float(at) for _, at in told] == pytest.approx(own[:2], abs=2 * STEP)
+
+
+def test_what_is_so_from_the_begin_did_not_happen_once():
+    runs = [
+        pushed(seed, held=held, moment=-1.0)
+        for seed, held in enumerate((HELD, -HELD, HELD), 1)
+    ]
+    *train, last = runs
+    options = Options(library=(SensorBias(), DisturbanceStep()), settings=SETTINGS)
+    answer = diagnose(cart(), train, held_out=[last], options=options)
+    assert answer.verdict in (Verdict.UNEXPLAINED, Verdict.CANNOT_TELL)
+    assert "something happened once" not in answer.statement

@@ -5,6 +5,7 @@ import numpy as np
 from bondgraph import BondGraph, C, R, Recording, Sf, bind_to
 from bondgraph.diagnosis import probing
 from bondgraph.fitting.estimate import FitSettings, fit_model
+from bondgraph.simulation.shooting import Shots
 from bondgraph.structure.signals import effort, flow
 
 
@@ -50,3 +51,18 @@ def test_what_a_stiff_state_begins_at_is_no_size_of_a_signal():
     np.testing.assert_array_equal(probing._without_strays(hit), hit)
     for nothing in (np.zeros(5), np.full(5, np.nan)):
         np.testing.assert_array_equal(probing._without_strays(nothing), nothing)
+
+
+def test_nor_what_it_is_until_it_is_where_it_belongs():
+    usual = 2.0 + np.sin(np.arange(500.0))
+    window = np.array([-8.0e3, 80.0, -5.0, *usual, 40.0])
+    mild = np.array([5.0, *usual])
+    values = np.concatenate([window, mild])
+    edges = (0, len(window), len(values))
+    nothing = np.zeros((len(values), 0))
+    shots = Shots(np.arange(float(len(values))), nothing, nothing, edges)
+    told = probing._once_begun(values, shots)
+    assert np.isnan(told[:3]).all()
+    np.testing.assert_array_equal(told[3:], values[3:])
+    for untold in (np.zeros(len(values)), np.full(len(values), np.nan)):
+        np.testing.assert_array_equal(probing._once_begun(untold, shots), untold)

@@ -16,8 +16,12 @@ from bondgraph import (
     bind_to,
     diagnose,
 )
+from bondgraph.diagnosis.candidates import propose_all
 from bondgraph.diagnosis.records import Verdict
+from bondgraph.diagnosis.search.base.horizons import refitted
 from bondgraph.diagnosis.search.options import Options
+from bondgraph.fitting.estimate import fit_model
+from bondgraph.fitting.horizon import Windows
 from bondgraph.physics.friction import CoulombFriction
 from bondgraph.physics.position import Cogging
 from bondgraph.physics.ratio import Eccentricity
@@ -42,11 +46,11 @@ def pump():
     return graph.finish()
 
 
-def run(seed):
+def run(seed, mean=6.0, begin=(0.0, 0.0, 0.0)):
     """Return a recording of three plungers: the ratio swings thrice a turn."""
     rng = np.random.default_rng(seed)
-    torque = 6.0 + np.repeat(rng.uniform(-4.0, 4.0, COUNT // 100), 100)
-    angle = speed = pressure = 0.0
+    torque = mean + np.repeat(rng.uniform(-4.0, 4.0, COUNT // 100), 100)
+    angle, speed, pressure = begin
     told = []
     for drive in torque:
         told.append((angle, pressure))
@@ -78,9 +82,26 @@ def test_it_is_told_from_a_torque_that_repeats():
     assert answer.verdict is Verdict.PHYSICS_MISSING
     (found,) = answer.findings
     assert (found.physics, found.place) == ("eccentricity", "plungers")
-    numbers = {one.name: one.value for one in found.estimates}
+    swings({one.name: one.value for one in found.estimates})
+
+
+def swings(numbers):
     assert numbers["ripple_wave_shaft_plungers"] == pytest.approx(PLUNGERS, rel=1e-3)
     size = np.hypot(
         numbers["ripple_sine_shaft_plungers"], numbers["ripple_cosine_shaft_plungers"]
     )
     assert size == pytest.approx(np.hypot(SINE, COSINE), rel=0.1)
+
+
+def test_a_fit_to_more_recordings_keeps_it():
+    settings = FitSettings(hold=Hold.ZERO, horizon=Windows(250))
+    speed = 30.0 / (BEARING + VALVE / RATIO**2)
+    fast = [run(seed, 30.0, (4.6, speed, speed / RATIO * VALVE)) for seed in (1, 2)]
+    base = fit_model(pump(), fast[:1], settings)
+    law = propose_all(base, (Eccentricity(),))[-1]
+    known = {"sine": SINE, "cosine": COSINE, "wave": float(PLUNGERS)}
+    true = {f"ripple_{name}_shaft_plungers": x for name, x in known.items()}
+    graph = law.apply(base.graph).with_parameters(base.values | true)
+    fitted = fit_model(graph, fast[:1], settings, sigma=np.array((2e-3, 0.02)))
+    swings(fitted.values)
+    swings(refitted(fitted, fast, settings).values)

@@ -5,7 +5,7 @@ something happens at another moment in each of them, or in one only, it is looke
 each alone. That is said and not inserted: it is no law of the machine.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -30,8 +30,6 @@ from bondgraph.structure.graph import FinishedGraph
 
 Array = NDArray[np.float64]
 
-OPEN = (Verdict.UNEXPLAINED, Verdict.CANNOT_TELL)
-
 
 def with_each_alone(
     found: Diagnosis,
@@ -44,8 +42,8 @@ def with_each_alone(
 ) -> Diagnosis:
     """Return the answer with what happens in single recordings, if it is open.
 
-    Or if a moment was found that leaves much: one of all recordings where each has its
-    own.
+    If nothing can be told, or much is left without an explanation, or by a moment that
+    was found: one of all recordings where each has its own.
 
     Parameters
     ----------
@@ -55,9 +53,8 @@ def with_each_alone(
         Of the fits.
     """
     moving = not any(one.steady for one in recordings)
-    asked = found.verdict in OPEN or _has_no_common_moment(found)
     library = tuple(_once(options.library))
-    if not (asked and found.complete and moving and library):
+    if not (_is_open(found) and found.complete and moving and library):
         return found
     once = replace(options, library=library)
     told = []
@@ -66,7 +63,7 @@ def with_each_alone(
             break
         shop.progress(f"{one.name} by itself: what happens at one moment")
         seen = _alone(graph, one, noise, settings, once, shop)
-        if seen is not None:
+        if seen is not None and _has_moment(_numbers_of(seen)):
             told.append(
                 f"If something happened once in {one.name}, it is explained by itself "
                 f"by {_in_words(seen)}."
@@ -88,12 +85,25 @@ def _once(library: Sequence[AbstractPhysics]) -> Iterator[AbstractPhysics]:
             yield physics
 
 
-def _has_no_common_moment(found: Diagnosis) -> bool:
-    """Return whether a law with a moment leaves more than noise."""
+def _is_open(found: Diagnosis) -> bool:
+    """Return whether what happens once may be what an answer lacks."""
+    if found.verdict is Verdict.CANNOT_TELL:
+        return True
     left, floor = found.train.after.rmse, found.noise_floor
     much = any(left[name] > ADEQUATE_RATIO * floor[name] for name in left)
     numbers = (one.name for finding in found.findings for one in finding.estimates)
-    return much and any(name.startswith("moment_") for name in numbers)
+    return much and (found.verdict is Verdict.UNEXPLAINED or _has_moment(numbers))
+
+
+def _has_moment(numbers: Iterable[str]) -> bool:
+    """Return whether a law with these numbers acts from a moment on."""
+    return any(name.startswith("moment_") for name in numbers)
+
+
+def _numbers_of(seen: Look) -> Iterator[str]:
+    """Yield the names of the numbers of all laws that were found."""
+    for candidate in chosen_in(seen.rounds):
+        yield from candidate.hypothesis.parameters
 
 
 def _alone(

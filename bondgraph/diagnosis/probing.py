@@ -54,6 +54,9 @@ STRAY = 50.0
 Impacts, which are short as well, are some ten times what else acts.
 """
 
+BEGUN_ASTRAY = 3.0
+"""The same of the first samples of a window, whose state nothing but the fit tells."""
+
 
 def common_signal(junction: Junction) -> Signal:
     """Return the variable that the bonds of a junction share."""
@@ -140,7 +143,7 @@ def measure_scales(fitted: FittedModel) -> Scales:
     """
     graph, shots = fitted.graph, fitted.problem.shots
     found = {
-        signal.name: _without_strays(values)
+        signal.name: _without_strays(_once_begun(values, shots))
         for signal, values in probe(fitted, _probes(graph)).items()
     }
     names = fitted.problem.model.input_names
@@ -183,15 +186,35 @@ def measure_scales(fitted: FittedModel) -> Scales:
     )
 
 
-def _without_strays(values: Array) -> Array:
-    """Return values without the few that are as if from elsewhere.
+def _once_begun(values: Array, shots: Shots) -> Array:
+    """Return values without the first of a window that begins far beyond all others.
 
     Where hardly anything tells the state in which a window begins, a stiff model may
-    begin anywhere, and is where it belongs a sample later.
+    begin anywhere, and is where it belongs some samples later.
     """
+    usual = _usual(values)
+    if not usual:
+        return values
+    low, high = np.nanquantile(values, (SELDOM / 2, 1.0 - SELDOM / 2))
+    beyond = ~((values >= low) & (values <= high))
+    kept = values.copy()
+    for window in shots.slices:
+        if np.abs(values[window.start]) > BEGUN_ASTRAY * usual:
+            kept[window][np.logical_and.accumulate(beyond[window])] = np.nan
+    return kept
+
+
+def _without_strays(values: Array) -> Array:
+    """Return values without the few that are as if from elsewhere."""
+    usual = _usual(values)
+    return np.where(np.abs(values) > STRAY * usual, np.nan, values) if usual else values
+
+
+def _usual(values: Array) -> float:
+    """Return what hardly any value is beyond in size; 0 where there is none."""
     sizes = np.abs(values)
-    usual = np.nanquantile(sizes, 1.0 - SELDOM) if np.isfinite(sizes).any() else 0.0
-    return np.where(sizes > STRAY * usual, np.nan, values) if usual else values
+    known = np.isfinite(sizes).any()
+    return float(np.nanquantile(sizes, 1.0 - SELDOM)) if known else 0.0
 
 
 def _tenths(values: Array) -> int:

@@ -35,6 +35,7 @@ __all__ = [
     "pose",
     "prepare",
     "solve",
+    "weigh",
 ]
 
 Array = NDArray[np.float64]

@@ -20,6 +20,7 @@ from bondgraph.fitting.estimate import (
     first_guess,
     fit_model,
     prepare,
+    weigh,
 )
 from bondgraph.fitting.horizon import (
     SHORTEST,
@@ -117,11 +118,14 @@ def refitted(
 
     A fit that begins anew may end early where its values were hard to find, over a
     sharp edge for instance. So it is begun as well from the states that the model
-    passes at the begin of each window when it runs through whole recordings.
+    passes at the begin of each window when it runs through whole recordings, with the
+    outputs weighed as they were: beside an angle of many turns and what it varies by,
+    a pump's ripple is as good a turn further.
     """
     graph = fitted.graph.with_parameters(fitted.values)
     anew = fit_model(graph, recordings, settings)
-    problem = anew.problem
+    before = fitted.problem
+    problem = replace(anew.problem, sigma=before.sigma, correlation=before.correlation)
     theta = np.array([fitted.values[name] for name in problem.free_names])
     whole = replace(problem, shots=cut(recordings, WholeRecordings()))
     if not np.array_equal(whole.shots.time, problem.shots.time):
@@ -131,5 +135,14 @@ def refitted(
     states = along.states[list(problem.shots.edges[:-1])]
     if not np.isfinite(states).all():
         return anew
-    known = minimise(problem, theta, states, iterations=ITERATIONS)
-    return replace(anew, optimum=known) if known.cost < anew.optimum.cost else anew
+    optimum = minimise(problem, theta, states, iterations=ITERATIONS)
+    problem, optimum = weigh(problem, optimum, settings)
+    known = replace(anew, problem=problem, optimum=optimum)
+    return min((anew, known), key=_unlikely)
+
+
+def _unlikely(fitted: FittedModel) -> float:
+    """Return minus twice the logarithm of the likelihood, but for a constant."""
+    problem = fitted.problem
+    scales = 2.0 * float(problem.measured @ np.log(problem.sigma))
+    return fitted.optimum.cost + scales
