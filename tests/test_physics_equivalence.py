@@ -17,7 +17,14 @@ from bondgraph.physics.thermal import TemperatureDependentResistance
 from bondgraph.physics.viscoelastic import RelaxingSpring
 from bondgraph.structure.domains import DOMAINS
 from bondgraph.structure.elements import Compliance, Inertance, Resistance
-from bondgraph.structure.signals import Signal, displacement, effort, f, flow
+from bondgraph.structure.signals import (
+    Signal,
+    displacement,
+    effort,
+    f,
+    flow,
+    parameters_in,
+)
 
 NO_TWINS = (
     StoreBehind,
@@ -185,3 +192,20 @@ def test_an_actuator_is_steered_by_a_command_and_by_the_machine():
     assert not steered(2 * effort("command"))
     # What the hand moves is no command, though it moves what the hand is on.
     assert not steered(-flow("arm") - displacement("arm"))
+
+
+def test_a_constant_set_point_steers_where_signals_count_against_it_in_proportion():
+    def steered(value):
+        g = BondGraph("wheel", domain="rotation")
+        g.one("wheel", I("own"), R("loss"), Se("drive", value=value))
+        g.measure("rate", flow="wheel")
+        numbers = dict.fromkeys(parameters_in(value), (3.0, "1"))
+        own = {"own": (1.0, "kg*m^2"), "loss": (0.1, "N*m*s/rad")}
+        return list(actuators(known(g, **own, **numbers)))
+
+    gain, goal = sympy.symbols("gain goal")
+    assert steered(gain * (goal - flow("wheel"))) == ["drive"]
+    assert not steered(gain * goal)
+    assert not steered(-gain * flow("wheel"))
+    assert not steered(gain * sympy.cos(flow("wheel")) + goal)
+    assert not steered(gain * (goal - flow("wheel") ** 2))

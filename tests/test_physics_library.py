@@ -19,6 +19,7 @@ from bondgraph.physics.places.channels import ChannelPlace
 from bondgraph.physics.places.everywhere import all_places, machine_junctions
 from bondgraph.physics.places.junction import ZeroJunctionPlace
 from bondgraph.physics.places.scales import Scales
+from bondgraph.physics.places.source import ActuatorPlace
 from bondgraph.physics.relaxation import StoreBehind
 from bondgraph.physics.thermal import TemperatureDependentResistance
 from bondgraph.structure.edits import (
@@ -212,6 +213,14 @@ def _in_other_units(expression, graph, own):
     return float(expression.xreplace(here)), float(expression.xreplace(there))
 
 
+def _unit_held(place, state, graph):
+    """Return the unit of a reading that a loop sees late; None of anything else."""
+    for reading in getattr(place, "readings", ()):
+        if f"_of_{reading.place}" in state.name:
+            return graph.domain_at(reading.place).unit(reading.quantity)
+    return None
+
+
 @kinds(lambda h: h.physics not in ("cogging", "gravity", "eccentricity", "radiation"))
 def test_units_of_new_parameters_fit(number):
     """The law has the unit of what it gives, its states' rates theirs per second.
@@ -230,8 +239,9 @@ def test_units_of_new_parameters_fit(number):
         p: domain.momentum_unit,
     }
     states = getattr(edit, "states", ())
-    channel = place.channel_unit if isinstance(place, ChannelPlace) else "1"
-    own |= {state.value: channel for state in states}
+    driving = isinstance(place, ChannelPlace | ActuatorPlace)
+    channel = place.channel_unit if driving else "1"
+    own |= {state.value: _unit_held(place, state, new) or channel for state in states}
     if isinstance(edit, ReplaceMeasurement | SwapMeasurements | SwapInputs | WrapInput):
         expected = channel
     else:

@@ -14,7 +14,7 @@ from bondgraph.physics.places.source import ActuatorPlace
 from bondgraph.physics.powers import raised
 from bondgraph.physics.slips import FACTORS, SLIPS, own_values
 from bondgraph.structure.domains import ANALOGUE
-from bondgraph.structure.edits import GraphEdit, SignalState
+from bondgraph.structure.edits import SignalState
 from bondgraph.structure.signals import displacement
 
 ALONE = (0.0, 0.2, 0.4, 0.6, 0.8, 0.95)
@@ -110,15 +110,15 @@ class Saturation(AbstractPhysics):
 
     def _of_size(self, place: Driving) -> Hypothesis:
         limits = tuple(share * place.peak for share in (0.95, 0.8, 0.65, 0.5, 0.35))
-        limit = place.shape("limit", _unit(place), limits, low=0.01 * place.peak)
-        law = sympy.Max(sympy.Min(_asked(place), limit.symbol), -limit.symbol)
+        limit = place.shape("limit", place.channel_unit, limits, low=0.01 * place.peak)
+        law = sympy.Max(sympy.Min(place.signal, limit.symbol), -limit.symbol)
         return self._limited(place, "a limit", law, limit)
 
     def _at_ends(
         self, place: Driving, *, lower: bool = False, upper: bool = False
     ) -> Hypothesis:
         """Return an input that does not pass a limit of its own at one end, or both."""
-        law, own = _asked(place), []
+        law, own = place.signal, []
         for asked, end, name, within in (
             (lower, 0, "lower_limit", sympy.Max),
             (upper, 1, "upper_limit", sympy.Min),
@@ -126,7 +126,7 @@ class Saturation(AbstractPhysics):
             if asked:
                 furthest = ENDS[name] if lower and upper else ALONE
                 starts = tuple(share * place.range[end] for share in furthest)
-                limit = place.shape(name, _unit(place), starts)
+                limit = place.shape(name, place.channel_unit, starts)
                 law = within(law, limit.symbol)
                 own.append(limit)
         ends = "a limit each way" if lower and upper else "a limit one way"
@@ -135,13 +135,10 @@ class Saturation(AbstractPhysics):
     def _limited(
         self, place: Driving, what: str, law: sympy.Expr, *own: Coefficient
     ) -> Hypothesis:
-        if isinstance(place, InputPlace):
-            edit: GraphEdit = place.become(law, *own, nested=False)
-            whatever = "whatever is commanded"
-        else:
-            edit = place.replace(law, *own)
-            whatever = "whatever the loop asks of it"
-        words = f"{place.name} does not pass {what}, {whatever}"
+        edit = place.become(law, *own, nested=False)
+        commanded = isinstance(place, InputPlace)
+        asked = "is commanded" if commanded else "the loop asks of it"
+        words = f"{place.name} does not pass {what}, whatever {asked}"
         return self.hypothesis(place, edit, law, own, words)
 
     def _of_rate(self, place: InputPlace) -> Hypothesis:
@@ -166,17 +163,6 @@ class Saturation(AbstractPhysics):
         return self.hypothesis(place, edit, state.value, (rate, within), words)
 
 
-def _asked(place: Driving) -> sympy.Expr:
-    """Return what is asked of an input, or of an actuator in its loop."""
-    return place.signal if isinstance(place, InputPlace) else place.value
-
-
-def _unit(place: Driving) -> str:
-    if isinstance(place, InputPlace):
-        return place.channel_unit
-    return place.unit(place.quantity)
-
-
 class DeadZone(AbstractPhysics):
     """An input that does nothing while it is small: overlap of a valve, threshold."""
 
@@ -186,8 +172,8 @@ class DeadZone(AbstractPhysics):
     signature = "small commands do nothing; taken for Coulomb friction"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for every input that changes, as wide on both sides."""
-        if not isinstance(place, InputPlace) or place.is_constant:
+        """Yield it, as wide either way, for an input that changes and within a loop."""
+        if not isinstance(place, Driving) or place.is_constant:
             return
         widths = tuple(share * place.peak for share in (0.0, 0.05, 0.15, 0.4))
         half = place.strength("dead_zone", place.channel_unit, widths, low=0.0)

@@ -1,4 +1,4 @@
-"""Signals that come late: lags and delays of inputs and of sensors.
+"""Signals that come late: lags and delays of inputs, sensors and loops.
 
 A lag is a state z' = (x - z) / tau, made of graph elements, or two of them in a row:
 heat on its way to a thermometer comes through more than one body. A delay T is the
@@ -8,19 +8,41 @@ through at once: up to w T = 2 its phase is right within 0.003 rad and its gain 
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
 from bondgraph.physics.places.base import Place
-from bondgraph.physics.places.channels import ChannelPlace, InputPlace
+from bondgraph.physics.places.channels import ChannelPlace, OutputPlace
+from bondgraph.physics.places.source import ActuatorPlace
 from bondgraph.structure.edits import SignalState
 from bondgraph.structure.signals import displacement
+
+Following = ChannelPlace | ActuatorPlace
 
 STAGES = " of two equal stages"
 
 MOST = 0.5
 """Of the longest recording: what comes later than that is in none of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Late:
+    """A signal that may come late, and the whole that it is a part of.
+
+    Parameters
+    ----------
+    suffix
+        Of the names of what is added; empty where it is the whole.
+    verb
+        What may be late, in words.
+    """
+
+    signal: sympy.Expr
+    whole: sympy.Expr
+    suffix: str
+    verb: str
 
 
 class Lag(AbstractPhysics):
@@ -32,20 +54,28 @@ class Lag(AbstractPhysics):
     signature = "a corner rounded off, phase without resonance; taken for a delay"
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
-        """Yield it for every input that changes, and every output."""
-        if not isinstance(place, ChannelPlace) or place.is_constant:
+        """Yield it for what changes: an input, an output, what a loop asks."""
+        if not isinstance(place, Following) or place.is_constant:
             return
         for stages, stem, how in ((1, "lag", ""), (2, "lag_each", STAGES)):
-            low, high = 0.02 * place.scales.step, place.scales.slowest
-            tau = place.shape(stem, "s", _times(place), low=low, high=high)
-            names = (place.name_of(f"lagged{'_twice' * k}") for k in range(stages))
-            law, states = place.signal, []
-            for name in names:
-                states.append(lagging(name, law, tau.symbol))
-                law = states[-1].value
-            words = f"{place.name} {_verb(place)} with a lag{how}"
-            edit = place.become(law, tau, states=tuple(states))
-            yield self.hypothesis(place, edit, law, (tau,), words)
+            for late in _what_may_be_late(place):
+                yield self._of(place, late, stages, stem + late.suffix, how)
+
+    def _of(
+        self, place: Following, late: Late, stages: int, stem: str, how: str
+    ) -> Hypothesis:
+        low, high = 0.02 * place.scales.step, place.scales.slowest
+        tau = place.shape(stem, "s", _times(place), low=low, high=high)
+        after = place.name_of(f"lagged{late.suffix}")
+        names = (f"{after}{'_twice' * k}" for k in range(stages))
+        follows, states = late.signal, []
+        for name in names:
+            states.append(lagging(name, follows, tau.symbol))
+            follows = states[-1].value
+        law = late.whole.xreplace({late.signal: follows})
+        words = f"{late.verb} with a lag{how}"
+        edit = place.become(law, tau, states=tuple(states))
+        return self.hypothesis(place, edit, law, (tau,), words)
 
 
 class Delay(AbstractPhysics):
@@ -59,19 +89,23 @@ class Delay(AbstractPhysics):
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it for every input that changes, and every output of what is driven.
 
-        What moves by itself shows no delay: any motion is as good an early one.
+        What moves by itself shows no delay: any motion is as good an early one. Within
+        a loop it shows in how that moves.
         """
-        if not isinstance(place, ChannelPlace) or place.is_constant:
+        if not isinstance(place, Following) or place.is_constant:
             return
-        if not place.is_driven:
+        if isinstance(place, ChannelPlace) and not place.is_driven:
             return
         low, high = 0.05 * place.scales.step, MOST * place.scales.stretch
-        time = place.shape("delay", "s", _times(place), low=low, high=high)
-        name = place.name_of("delayed")
-        states, law = delaying(name, place.signal, time.symbol)
-        words = f"{place.name} {_verb(place)} late by a fixed time"
-        edit = place.become(law, time, states=states)
-        yield self.hypothesis(place, edit, law, (time,), words)
+        for late in _what_may_be_late(place):
+            stem = f"delay{late.suffix}"
+            time = place.shape(stem, "s", _times(place), low=low, high=high)
+            name = place.name_of(f"delayed{late.suffix}")
+            states, later = delaying(name, late.signal, time.symbol)
+            law = late.whole.xreplace({late.signal: later})
+            words = f"{late.verb} late by a fixed time"
+            edit = place.become(law, time, states=states)
+            yield self.hypothesis(place, edit, law, (time,), words)
 
 
 LATE = (Lag.word, Delay.word)
@@ -99,12 +133,18 @@ def delaying(
     return states, 60 * one - 24 * two + 3 * three
 
 
-def _times(place: ChannelPlace) -> tuple[float, ...]:
+def _what_may_be_late(place: Following) -> Iterator[Late]:
+    """Yield the whole signal, and each reading of the machine that a loop acts on."""
+    verb = "reads" if isinstance(place, OutputPlace) else "acts"
+    yield Late(place.signal, place.signal, "", f"{place.name} {verb}")
+    if isinstance(place, ActuatorPlace):
+        for reading in place.readings:
+            told = f"what {place.name} reads of {reading.place} comes"
+            yield Late(reading, place.signal, f"_of_{reading.place}", told)
+
+
+def _times(place: Following) -> tuple[float, ...]:
     """Return times from a fraction of a sample to a fraction of the recording."""
     step, stretch = place.scales.step, place.scales.stretch
     longer = (1.5, 5.0, 20.0, 80.0)
     return (0.1 * step, *(n * step for n in longer if n * step < 0.1 * stretch))
-
-
-def _verb(place: ChannelPlace) -> str:
-    return "acts" if isinstance(place, InputPlace) else "reads"

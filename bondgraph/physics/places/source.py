@@ -7,7 +7,7 @@ import sympy
 
 from bondgraph.physics.places.base import PROPOSED, Coefficient, E, F, Place
 from bondgraph.structure.domains import EnergyDomain, Quantity
-from bondgraph.structure.edits import ReplaceRelation
+from bondgraph.structure.edits import ReplaceRelation, SignalState
 from bondgraph.structure.elements import EffortSource, Node, Source
 from bondgraph.structure.graph import Bond, FinishedGraph
 from bondgraph.structure.signals import Signal, parameters_in, signals_in
@@ -45,15 +45,33 @@ class SourcePlace(Place):
 
 @dataclass(frozen=True, slots=True)
 class ActuatorPlace(SourcePlace):
-    """A source steered by an input and by what the machine does: a loop's actuator."""
+    """A source steered by a command and by what the machine does: a loop's actuator."""
+
+    is_constant = False
 
     @property
-    def value(self) -> sympy.Expr:
+    def signal(self) -> sympy.Expr:
         """What the model asks of it."""
         node = self.graph.node(self.name)
         assert isinstance(node, Source)
         assert node.value is not None
         return node.value
+
+    @property
+    def readings(self) -> tuple[Signal, ...]:
+        """What it reads of the machine, beside an input that commands it.
+
+        Beside a set point there is nothing to tell it from all that it is asked.
+        """
+        commands = _commands(self.graph)
+        signals = signals_in(self.signal)
+        read = tuple(signal for signal in signals if signal not in commands)
+        return read if len(read) < len(signals) else ()
+
+    @property
+    def channel_unit(self) -> str:
+        """The unit of what it imposes."""
+        return self.unit(self.quantity)
 
     @property
     def range(self) -> tuple[float, float]:
@@ -65,34 +83,55 @@ class ActuatorPlace(SourcePlace):
         """The largest size of what it was asked for."""
         return max(map(abs, self.range))
 
-    def replace(self, value: sympy.Expr, *coefficients: Coefficient) -> ReplaceRelation:
-        """Return the edit that lets it give something else."""
+    def become(
+        self,
+        value: sympy.Expr,
+        *coefficients: Coefficient,
+        states: tuple[SignalState, ...] = (),
+        nested: bool = True,
+    ) -> ReplaceRelation:
+        """Return the edit that lets it give another expression of what is asked."""
         parameters = tuple(c.parameter for c in coefficients)
-        return ReplaceRelation(self.name, value, parameters)
+        return ReplaceRelation(self.name, value, parameters, states, nested)
 
 
 def actuators(graph: FinishedGraph) -> Iterator[str]:
-    """Yield the sources that an input and the machine steer together.
+    """Yield the sources that a command and the machine steer together.
 
-    What an input alone steers has the limits of that input, and what a finding has put
-    there is no source of the author's.
+    The command is an input, or a constant set point that what the machine does counts
+    against in proportion. What an input alone steers has the limits of that input, and
+    what a finding has put there is no source of the author's.
     """
-    commands = {
-        Signal(_imposed(source), near)
-        for source in graph.inputs
-        for near in (
-            source.name,
-            *(bond.other(source.name) for bond in graph.bonds_at(source.name)),
-        )
-    }
+    commands = _commands(graph)
     for node in graph.elements:
         if not isinstance(node, Source) or node.value is None:
             continue
         numbers = (graph.parameters[name] for name in parameters_in(node.value))
         authored = all(number.source != PROPOSED for number in numbers)
         commanded = [signal in commands for signal in signals_in(node.value)]
-        if authored and any(commanded) and not all(commanded):
+        steered = any(commanded) or _has_set_point(node.value)
+        if authored and steered and not all(commanded):
             yield node.name
+
+
+def _commands(graph: FinishedGraph) -> frozenset[Signal]:
+    """Return the signals that inputs are, and where they arrive."""
+    return frozenset(
+        Signal(_imposed(source), near)
+        for source in graph.inputs
+        for near in (
+            source.name,
+            *(bond.other(source.name) for bond in graph.bonds_at(source.name)),
+        )
+    )
+
+
+def _has_set_point(value: sympy.Expr) -> bool:
+    """Return whether signals count in proportion, and something is there without."""
+    signals = signals_in(value)
+    if not signals or value.xreplace(dict.fromkeys(signals, sympy.S.Zero)).is_zero:
+        return False
+    return bool(value.is_polynomial(*signals) and sympy.Poly(value, *signals).is_linear)
 
 
 def _imposed(source: Node) -> Quantity:
