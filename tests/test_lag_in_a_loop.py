@@ -1,4 +1,4 @@
-"""A loop whose sensor is filtered: the motor overshoots; no channel is recorded late."""
+"""A loop whose sensor is filtered: the motor overshoots; nothing is recorded late."""
 
 import numpy as np
 import pytest
