@@ -8,6 +8,7 @@ import pytest
 from bondgraph.diagnosis.candidates import CURVE
 from bondgraph.diagnosis.search.trials import determined as module
 from bondgraph.diagnosis.search.trials.determined import REASON, determined
+from bondgraph.physics.places.base import PROPOSED
 
 NAMES = ("bearing", "drag", "height")
 LOW = np.array([1e-6, 0.0, -np.inf])
@@ -88,3 +89,33 @@ def test_of_what_has_run_away_nothing_was_told(told):
     assert told("drag", (1.0, 0.0, 0.0), bearing=0.2, stated=0.1) == REASON
     assert told("drag", (1.0, 0.0, 0.0), bearing=0.2, stated=2e-3) is None
     assert told("drag", (0.7, 0.0, 0.7), bearing=0.2, stated=2e-3) == REASON
+
+
+@pytest.mark.parametrize(
+    ("source", "lag", "mode", "hollow"),
+    [
+        (PROPOSED, 5.0, 5.0, True),
+        (PROPOSED, 0.1, 5.0, False),
+        (PROPOSED, 5.0, 0.1, False),
+        (None, 5.0, 5.0, False),  # What the author's own numbers lose is nothing.
+    ],
+)
+def test_a_law_may_not_leave_without_a_number_all_that_was_found(
+    monkeypatch, source, lag, mode, hollow
+):
+    def fit(**errors):
+        sources = {name: SimpleNamespace(source=None) for name in errors}
+        sources["lag"] = SimpleNamespace(source=source)
+        return SimpleNamespace(
+            problem=SimpleNamespace(free_names=list(errors)),
+            optimum=SimpleNamespace(theta=np.ones(len(errors)), std=[*errors.values()]),
+            graph=SimpleNamespace(parameters=sources),
+        )
+
+    monkeypatch.setattr(module, "uncertainty", lambda _, optimum: optimum)
+    law = SimpleNamespace(parameters=("mode",))
+    candidate = SimpleNamespace(
+        hypothesis=law, fitted=fit(gain=0.1, lag=lag, mode=mode)
+    )
+    before = fit(gain=0.1, lag=0.1)
+    assert module._leaves_nothing_told(candidate, before) is hollow

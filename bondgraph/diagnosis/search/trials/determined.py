@@ -3,7 +3,8 @@
 A law whose own numbers nothing determines explains the data by something else that it
 can also be: hysteresis over a distance never travelled is a spring. It is left aside in
 favour of what it stands for. That beside it less is known of the model's own numbers is
-nothing against it. A strength of its own is another matter: that nothing
+nothing against it; that no number is left of it, nor of what was found before, is. A
+strength of its own is another matter: that nothing
 tells how steep an edge or how rigid a stop is says only that it is as steep as can be.
 
 Two equal times look undetermined: near there only their sum shows, to first order. But
@@ -24,6 +25,7 @@ from bondgraph.diagnosis.search.base.runaway import is_far, run_away
 from bondgraph.fitting.certainty.uncertainty import uncertainty
 from bondgraph.fitting.estimate import FittedModel
 from bondgraph.fitting.levenberg_marquardt import minimise
+from bondgraph.physics.places.base import PROPOSED
 
 AT_ONCE = "the time it would take to answer is not told from none"
 
@@ -69,7 +71,8 @@ def determined(
         slip = candidate.hypothesis.is_slip
         told = _undetermined(candidate) <= known or _is_told(candidate, base)
         told |= _remembers(candidate) and not _stays_away(candidate, base)
-        if not (slip or told) or _is_too_late(candidate):
+        hollow = _is_too_late(candidate) or _leaves_nothing_told(candidate, base)
+        if not (slip or told) or hollow:
             others.append(Rejected(candidate.hypothesis, REASON))
         elif _without_memory(candidate, base):
             others.append(Rejected(candidate.hypothesis, AT_ONCE))
@@ -108,15 +111,31 @@ def _is_told(candidate: Candidate, base: FittedModel) -> bool:
     null = np.abs(uncertainty(fitted.problem, fitted.optimum).null)
     most = null.max(axis=0, initial=0.0)
     names = np.array(fitted.problem.free_names)
-    std = uncertainty(base.problem, base.optimum).std
-    known = {
+    known = _told(base) - set(run_away(base))
+    return not set(names[most > TRACE]) & (known | set(candidate.hypothesis.parameters))
+
+
+def _told(fitted: FittedModel) -> set[str]:
+    """Return the free parameters that are larger than their standard errors."""
+    std = uncertainty(fitted.problem, fitted.optimum).std
+    return {
         name
         for name, value, error in zip(
-            base.problem.free_names, base.optimum.theta, std, strict=True
+            fitted.problem.free_names, fitted.optimum.theta, std, strict=True
         )
         if not abs(value) <= error  # Of what is not told at all there is none.
-    } - set(run_away(base))
-    return not set(names[most > TRACE]) & (known | set(candidate.hypothesis.parameters))
+    }
+
+
+def _leaves_nothing_told(candidate: Candidate, base: FittedModel) -> bool:
+    """Return whether no number of the law is told, nor any more of what was found."""
+    parameters, names = base.graph.parameters, base.problem.free_names
+    found = {name for name in names if parameters[name].source == PROPOSED}
+    if not found:
+        return False
+    before, after = found & _told(base), _told(candidate.fitted)
+    own = set(candidate.hypothesis.parameters)
+    return bool(before) and not after & (before | own)
 
 
 def _is_too_late(candidate: Candidate) -> bool:
