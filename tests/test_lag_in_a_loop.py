@@ -6,17 +6,21 @@ import sympy
 
 from bondgraph import (
     BondGraph,
+    C,
     FitSettings,
     Hold,
     I,
     MSe,
+    MSf,
     R,
     Recording,
     Se,
     bind_to,
     diagnose,
+    displacement,
     effort,
     flow,
+    q,
 )
 from bondgraph.diagnosis.records import Verdict
 from bondgraph.diagnosis.search.options import Options
@@ -25,13 +29,16 @@ from bondgraph.physics.friction import CoulombFriction
 
 STEP, COUNT, FINE = 0.01, 1500, 20
 INERTIA, LOSS, GAIN, FILTER = 0.02, 0.05, 0.8, 0.06
+REPEATED = 0.25
 
 
 def motor():
     gain = sympy.Symbol("gain")
     graph = BondGraph("motor with a speed controller", domain="rotation")
     graph.zero("command", Se("goal"), domain="analogue")
-    drive = MSe("drive", value=gain * (effort("command") - flow("shaft")))
+    error = effort("command") - flow("shaft")
+    graph.zero("errors", MSf("rate", value=error), C("sum", law=q), domain="analogue")
+    drive = MSe("drive", value=gain * (error + displacement("sum") / REPEATED))
     graph.one("shaft", drive, I("inertia"), R("loss"))
     graph.parameter("inertia", INERTIA, "kg*m^2", std=0.0)
     graph.parameter("gain", 0.9 * GAIN, "N*m*s/rad")
@@ -44,12 +51,13 @@ def run(seed):
     """Return a recording of steps of the goal; the loop sees the speed filtered."""
     rng = np.random.default_rng(seed)
     goal = np.repeat(rng.uniform(-5.0, 5.0, COUNT // 75), 75)
-    speed = seen = 0.0
+    speed = seen = errors = 0.0
     told = []
     for asked in goal:
         told.append(speed)
         for _ in range(FINE):
-            torque = GAIN * (asked - seen)
+            torque = GAIN * (asked - seen + errors / REPEATED)
+            errors += STEP / FINE * (asked - seen)
             speed, seen = (
                 speed + STEP / FINE * (torque - LOSS * speed) / INERTIA,
                 seen + STEP / FINE * (speed - seen) / FILTER,

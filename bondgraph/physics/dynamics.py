@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import sympy
 
 from bondgraph.physics.hypothesis import AbstractPhysics, Hypothesis, Passivity
-from bondgraph.physics.places.base import Place
+from bondgraph.physics.places.base import Coefficient, Place
 from bondgraph.physics.places.channels import ChannelPlace, OutputPlace
 from bondgraph.physics.places.source import ActuatorPlace
-from bondgraph.structure.edits import SignalState
-from bondgraph.structure.signals import displacement
+from bondgraph.structure.edits import GraphEdit, SignalState
+from bondgraph.structure.signals import Signal, displacement
 
 Following = ChannelPlace | ActuatorPlace
 
@@ -29,20 +29,62 @@ MOST = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Late:
-    """A signal that may come late, and the whole that it is a part of.
+    """What may come late: all of a place's signal, or what a loop reads there.
 
     Parameters
     ----------
-    suffix
-        Of the names of what is added; empty where it is the whole.
-    verb
-        What may be late, in words.
+    reading
+        Of the machine; None for the whole signal.
     """
 
-    signal: sympy.Expr
-    whole: sympy.Expr
-    suffix: str
-    verb: str
+    place: Following
+    reading: Signal | None = None
+
+    @property
+    def signal(self) -> sympy.Expr:
+        """What follows late."""
+        return self.place.signal if self.reading is None else self.reading
+
+    @property
+    def suffix(self) -> str:
+        """Of the names of what is added."""
+        return "" if self.reading is None else f"_of_{self.reading.place}"
+
+    @property
+    def words(self) -> str:
+        """What is late, without how."""
+        name = self.place.name
+        if self.reading is not None:
+            return f"what {name} reads of {self.reading.place} comes"
+        return f"{name} {'reads' if isinstance(self.place, OutputPlace) else 'acts'}"
+
+    def hypothesis(
+        self,
+        physics: AbstractPhysics,
+        later: sympy.Expr,
+        time: Coefficient,
+        states: tuple[SignalState, ...],
+        how: str,
+    ) -> Hypothesis:
+        """Return the hypothesis that `later` takes the signal's place."""
+        place, reading = self.place, self.reading
+        words = f"{self.words} {how}"
+        edit: GraphEdit
+        if reading is None:
+            law, edit = later, place.become(later, time, states=states)
+        else:
+            assert isinstance(place, ActuatorPlace)
+            law = place.signal.xreplace({reading: later})
+            edit = place.read_as(reading, later, time, states=states)
+        return physics.hypothesis(place, edit, law, (time,), words)
+
+
+def _what_may_be_late(place: Place) -> Iterator[Late]:
+    """Yield the whole signal, and each reading of the machine that a loop acts on."""
+    if isinstance(place, Following) and not place.is_constant:
+        yield Late(place)
+    if isinstance(place, ActuatorPlace):
+        yield from (Late(place, reading) for reading in place.readings)
 
 
 class Lag(AbstractPhysics):
@@ -55,27 +97,20 @@ class Lag(AbstractPhysics):
 
     def propose(self, place: Place) -> Iterator[Hypothesis]:
         """Yield it for what changes: an input, an output, what a loop asks."""
-        if not isinstance(place, Following) or place.is_constant:
-            return
         for stages, stem, how in ((1, "lag", ""), (2, "lag_each", STAGES)):
             for late in _what_may_be_late(place):
-                yield self._of(place, late, stages, stem + late.suffix, how)
+                yield self._of(late, stages, stem, how)
 
-    def _of(
-        self, place: Following, late: Late, stages: int, stem: str, how: str
-    ) -> Hypothesis:
+    def _of(self, late: Late, stages: int, stem: str, how: str) -> Hypothesis:
+        place, suffix = late.place, late.suffix
         low, high = 0.02 * place.scales.step, place.scales.slowest
-        tau = place.shape(stem, "s", _times(place), low=low, high=high)
-        after = place.name_of(f"lagged{late.suffix}")
-        names = (f"{after}{'_twice' * k}" for k in range(stages))
-        follows, states = late.signal, []
+        tau = place.shape(f"{stem}{suffix}", "s", _times(place), low=low, high=high)
+        names = (place.name_of(f"lagged{suffix}{'_twice' * k}") for k in range(stages))
+        law, states = late.signal, []
         for name in names:
-            states.append(lagging(name, follows, tau.symbol))
-            follows = states[-1].value
-        law = late.whole.xreplace({late.signal: follows})
-        words = f"{late.verb} with a lag{how}"
-        edit = place.become(law, tau, states=tuple(states))
-        return self.hypothesis(place, edit, law, (tau,), words)
+            states.append(lagging(name, law, tau.symbol))
+            law = states[-1].value
+        return late.hypothesis(self, law, tau, tuple(states), f"with a lag{how}")
 
 
 class Delay(AbstractPhysics):
@@ -92,20 +127,16 @@ class Delay(AbstractPhysics):
         What moves by itself shows no delay: any motion is as good an early one. Within
         a loop it shows in how that moves.
         """
-        if not isinstance(place, Following) or place.is_constant:
-            return
         if isinstance(place, ChannelPlace) and not place.is_driven:
             return
-        low, high = 0.05 * place.scales.step, MOST * place.scales.stretch
         for late in _what_may_be_late(place):
-            stem = f"delay{late.suffix}"
-            time = place.shape(stem, "s", _times(place), low=low, high=high)
-            name = place.name_of(f"delayed{late.suffix}")
-            states, later = delaying(name, late.signal, time.symbol)
-            law = late.whole.xreplace({late.signal: later})
-            words = f"{late.verb} late by a fixed time"
-            edit = place.become(law, time, states=states)
-            yield self.hypothesis(place, edit, law, (time,), words)
+            place, suffix = late.place, late.suffix
+            low, high = 0.05 * place.scales.step, MOST * place.scales.stretch
+            times = _times(place)
+            time = place.shape(f"delay{suffix}", "s", times, low=low, high=high)
+            name = place.name_of(f"delayed{suffix}")
+            states, law = delaying(name, late.signal, time.symbol)
+            yield late.hypothesis(self, law, time, states, "late by a fixed time")
 
 
 LATE = (Lag.word, Delay.word)
@@ -131,16 +162,6 @@ def delaying(
         SignalState(own, rate / time) for own, rate in zip(names, rates, strict=True)
     )
     return states, 60 * one - 24 * two + 3 * three
-
-
-def _what_may_be_late(place: Following) -> Iterator[Late]:
-    """Yield the whole signal, and each reading of the machine that a loop acts on."""
-    verb = "reads" if isinstance(place, OutputPlace) else "acts"
-    yield Late(place.signal, place.signal, "", f"{place.name} {verb}")
-    if isinstance(place, ActuatorPlace):
-        for reading in place.readings:
-            told = f"what {place.name} reads of {reading.place} comes"
-            yield Late(reading, place.signal, f"_of_{reading.place}", told)
 
 
 def _times(place: Following) -> tuple[float, ...]:

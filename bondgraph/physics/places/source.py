@@ -1,13 +1,18 @@
 """Sources as places, and those inside of a loop: they need not give what is asked."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy
 
 from bondgraph.physics.places.base import PROPOSED, Coefficient, E, F, Place
-from bondgraph.structure.domains import EnergyDomain, Quantity
-from bondgraph.structure.edits import ReplaceRelation, SignalState
+from bondgraph.structure.domains import ANALOGUE, EnergyDomain, Quantity
+from bondgraph.structure.edits import (
+    GraphEdit,
+    ReplaceRelation,
+    SeveralEdits,
+    SignalState,
+)
 from bondgraph.structure.elements import EffortSource, Node, Source
 from bondgraph.structure.graph import Bond, FinishedGraph
 from bondgraph.structure.signals import Signal, parameters_in, signals_in
@@ -59,14 +64,33 @@ class ActuatorPlace(SourcePlace):
 
     @property
     def readings(self) -> tuple[Signal, ...]:
-        """What it reads of the machine, beside an input that commands it.
+        """What it reads of the machine, first of its loop, beside an input's command.
 
         Beside a set point there is nothing to tell it from all that it is asked.
         """
         commands = _commands(self.graph)
         signals = signals_in(self.signal)
-        read = tuple(signal for signal in signals if signal not in commands)
-        return read if len(read) < len(signals) else ()
+        if commands.isdisjoint(signals):
+            return ()
+        machine = (s for s in signals if self.graph.domain_at(s.place) != ANALOGUE)
+        return tuple(
+            signal
+            for signal in machine
+            if signal not in commands and self._readers(signal)[0] == self.name
+        )
+
+    def _readers(self, signal: Signal) -> list[str]:
+        """Return the sources steered in loops that read a signal, the machine's first.
+
+        That of a sum of errors reads what the source that acts on the machine reads.
+        """
+        graph = self.graph
+        readers = [
+            name
+            for name in actuators(graph)
+            if signal in signals_in(replace(self, name=name).signal)
+        ]
+        return sorted(readers, key=lambda name: graph.domain_at(name) == ANALOGUE)
 
     @property
     def channel_unit(self) -> str:
@@ -93,6 +117,20 @@ class ActuatorPlace(SourcePlace):
         """Return the edit that lets it give another expression of what is asked."""
         parameters = tuple(c.parameter for c in coefficients)
         return ReplaceRelation(self.name, value, parameters, states, nested)
+
+    def read_as(
+        self,
+        signal: Signal,
+        value: sympy.Expr,
+        *coefficients: Coefficient,
+        states: tuple[SignalState, ...],
+    ) -> GraphEdit:
+        """Return the edit by which all of its loop takes a reading for another."""
+        others = (replace(self, name=name) for name in self._readers(signal)[1:])
+        edits = tuple(o.become(o.signal.xreplace({signal: value})) for o in others)
+        law = self.signal.xreplace({signal: value})
+        own = self.become(law, *coefficients, states=states)
+        return SeveralEdits((own, *edits)) if edits else own
 
 
 def actuators(graph: FinishedGraph) -> Iterator[str]:
